@@ -136,6 +136,23 @@ def test_periods_double_where_mathieu_functions_say() -> None:
         assert abs(np.prod(orbit.multipliers) - 1) < 1e-9  # areas are preserved
 
 
+def test_a_driven_oscillator_has_the_multipliers_of_its_damping() -> None:
+    """x'' + 2 c x' + x = cos(w t): after a period T exp(-c T) exp(+-i sqrt(1 - c^2) T)."""
+    c, w = 0.1, 1.3
+    force = sp.cos(sp.Float(w) * vo.time) - 2 * c * vx
+    system = vo.System("driven", vo.Fibration(base=(x,)), vx**2 / 2 - x**2 / 2, forces={x: force})
+    span = 2 * np.pi / w
+    (orbit,) = vo.periodic(system, initial={"x": 0.3}, period=span, variables=("x",))
+    steady = 1 / (1 - w**2 + 2j * c * w)
+    assert orbit["x"] == pytest.approx(steady.real, abs=1e-10)
+    assert orbit.stability == "asymptotically stable"
+    expected = np.exp((-c + 1j * np.sqrt(1 - c**2)) * span)
+    assert np.abs(orbit.multipliers - expected).min() < 1e-9
+    assert len(orbit.trivial) == 0
+    with pytest.raises(vo.DefinitionError, match="give the period"):
+        vo.periodic(system, initial={"x": 0.3}, variables=("x",))
+
+
 def test_multiple_shooting_finds_what_single_shooting_does() -> None:
     one, five = (
         vo.periodic(henon_heiles(), initial={"y": 0.3}, variables=("x", "y"), hold=("energy",),
@@ -158,6 +175,51 @@ def test_a_family_of_the_falling_disc_keeps_its_trivial_multipliers() -> None:
     assert {len(orbit.trivial) for orbit in family} == {4}  # flow, energy, relation, R
 
 
+@pytest.mark.slow
+def test_multipliers_of_a_ball_are_differences_in_many_digits() -> None:
+    """Chaplygin's ball by hand: (I + D) w - D (g, w) g = G, g' = g x w, G' = G x w; its slopes
+    after a period are differences of motions in 25 digits, and so is what it closes by."""
+    (orbit,) = vo.periodic(vo.load("chaplygin-ball"))
+    values = orbit.parameters
+    assert orbit.variables == ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
+    inertia = [mp.mpf(values[name]) for name in ("I1", "I2", "I3")]
+    d = mp.mpf(values["m"]) * mp.mpf(values["R"]) ** 2
+
+    def cross(a: Any, b: Any) -> list[Any]:
+        return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+    def momentum(g: Any, w: Any) -> list[Any]:
+        along = mp.fdot(g, w)
+        return [(inertia[i] + d) * w[i] - d * along * g[i] for i in range(3)]
+
+    def rates(_: Any, s: Any) -> list[Any]:
+        g, big = s[:3], s[3:]
+        a = [1 / (i + d) for i in inertia]
+        c = d * mp.fsum(a[i] * g[i] * big[i] for i in range(3))
+        c /= 1 - d * mp.fsum(a[i] * g[i] ** 2 for i in range(3))
+        w = [a[i] * (big[i] + c * g[i]) for i in range(3)]
+        return [*cross(g, w), *cross(big, w)]
+
+    with mp.workdps(25):
+        point = [mp.mpf(float(x)) for x in orbit.state]
+        start, step = [*point[:3], *momentum(point[:3], point[3:])], mp.mpf(10) ** -7
+
+        def after(s: Any) -> Any:
+            return mp.matrix(mp.odefun(rates, 0, s, tol=mp.mpf(10) ** -19)(orbit.period))
+
+        assert float(mp.norm(after(start) - mp.matrix(start), mp.inf)) < 1e-10
+        slopes = mp.zeros(6)
+        for j in range(6):
+            ends = [after([*start[:j], start[j] + h, *start[j + 1 :]]) for h in (step, -step)]
+            for i in range(6):
+                slopes[i, j] = (ends[0][i] - ends[1][i]) / (2 * step)
+        values_by_hand = mp.eig(slopes, left=False, right=False)
+    found = sorted((complex(z).real for z in values_by_hand), reverse=True)
+    assert found[0] == pytest.approx(orbit.multipliers[0].real, abs=1e-9)
+    assert found[-1] == pytest.approx(orbit.multipliers[-1].real, abs=1e-9)
+    assert np.allclose(found[1:-1], 1.0, atol=1e-3)  # Jordan blocks
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -167,6 +229,7 @@ def test_a_family_of_the_falling_disc_keeps_its_trivial_multipliers() -> None:
         ({"initial": {"x": 1.0}, "variables": ("x",), "along": "g", "to": 1.0}, "neither"),
         ({"initial": {"x": 1.0}, "variables": ("x",), "along": "energy"}, "both or none"),
         ({"initial": {"x": 1.0}, "variables": ("x",), "segments": 0}, "1 to"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "points": 1}, "2 orbits"),
     ],
 )
 def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: str) -> None:

@@ -2,15 +2,18 @@
 
     python tools/bench.py orbits [families | speed | published]
 
+PEER_PYTHON may name the Python of another environment, in which pynamicalsys is installed.
+
 families   ten families of periodic orbits in the catalogue: closure, trivial multipliers, seconds
-speed      six exponents of the non-symmetric gyroscopic ball on a sphere, against C by hand at equal
-           error, and against pynamicalsys where it is installed
+speed      six exponents of the non-symmetric gyroscopic ball on a sphere beside C by hand at equal
+           error, and beside pynamicalsys where it is installed
 published  exponents that are published, and integrable balls whose exponents vanish
 """
 
 from __future__ import annotations
 
 import ctypes
+import os
 import subprocess
 import sys
 import tempfile
@@ -25,7 +28,7 @@ import sympy as sp
 import voronec as vo
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import EVERY, variational_flow
-from voronec.motion.steppers import FIFTH, STEP, THIRD, WEIGHTS
+from voronec.motion.steppers import DOP853
 
 FAMILIES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("falling-disc", {"along": "energy", "to": 2.2}),
@@ -39,6 +42,7 @@ FAMILIES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("ellipsoid-on-plane", {"along": "energy", "to": 2.6}),
     ("displaced-ball-on-sphere", {"along": "energy", "to": 2.3}),
 )
+BALLS = "chaplygin-ball", "zhukovsky-ball", "bobylev-ball"
 POINTS = 11
 SPAN, REPEATS = 100.0, 7
 ERROR = 1e-9
@@ -62,11 +66,11 @@ def families() -> None:
         began = perf_counter()
         found = vo.periodic(vo.load(name), points=POINTS, **given)
         spent = perf_counter() - began
-        first, last = found[given["along"]][[0, -1]]
+        along, (first, last) = given["along"], found[given["along"]][[0, -1]]
         trivial = max(o.trivial_defect for o in found)
         largest = max(abs(o.multipliers).max(initial=0.0) for o in found)
-        print(f"| {name} | {given['along']} | {len(found)}, {found.ended} | {first:.4g} | {last:.4g} "
-              f"| {max(o.closure for o in found):.1e} | {trivial:.1e} | up to {largest:.5g} "
+        print(f"| {name} | {along} | {len(found)}, {found.ended} | {first:.4g} | {last:.4g}"
+              f" | {max(o.closure for o in found):.1e} | {trivial:.1e} | up to {largest:.5g} "
               f"| {spent:.1f} |", flush=True)  # fmt: skip
 
 
@@ -96,6 +100,10 @@ def speed() -> None:
         found[name] = float(np.exp(at)) / SPAN * 1e6
         print(f"{name}: {found[name]:.1f} us for a unit of time at an error of {ERROR:g}")
     print(f"quotient {found['voronec'] / found['C by hand']:.2f}; compiled in {built:.2f} s")
+    script = str(BY_HAND.with_name("exponents_by_pynamicalsys.py"))
+    python = os.environ.get("PEER_PYTHON", sys.executable)
+    done = subprocess.run([python, script], capture_output=True, text=True, check=False)
+    print("pynamicalsys:", done.stdout.strip() or "not installed")
 
 
 def _cache(folder: str) -> Any:
@@ -122,10 +130,11 @@ def _by_hand(start: np.ndarray, values: np.ndarray) -> Callable[[float], np.ndar
     function = ctypes.CDLL(str(Path(folder) / "hand.so")).by_hand
     function.argtypes = [ctypes.c_void_p] * 6 + [ctypes.c_double] * 2
     rows = np.zeros((13, 12))
-    for s, row in enumerate((*WEIGHTS[:12], STEP)):
+    for s, row in enumerate((*DOP853.weights, DOP853.step)):
         rows[s, list(row)] = list(row.values())
     fifth, third = np.zeros(12), np.zeros(12)
-    fifth[list(FIFTH)], third[list(THIRD)] = list(FIFTH.values()), list(THIRD.values())
+    for target, row in ((fifth, DOP853.fifth), (third, DOP853.third)):
+        target[list(row)] = list(row.values())
     given = np.ascontiguousarray(values)
 
     def run(tol: float) -> np.ndarray:
@@ -155,7 +164,7 @@ def published_values() -> None:
                   "bar": 3e-3}, "0.9056, 0, -14.5723 [Sprott2003]"),
         (henon, {"initial": {"x": 0, "y": -0.25, v(x): 0.42081}, "bar": 5e-3, "until": 2e5},
          "0.047 [Skokos2010]"),
-        *((vo.load(name), {}, "0") for name in ("chaplygin-ball", "zhukovsky-ball", "bobylev-ball")),
+        *((vo.load(name), {}, "0") for name in BALLS),
     ]  # fmt: skip
     for system, words, expected in given:
         began = perf_counter()

@@ -31,6 +31,7 @@ ROOMS = {
     "motion": "Motions",
     "closed": "Motions in closed form",
     "proof": "Claims, relations and searches",
+    "dynamics": "Steady motions, periodic orbits, exponents",
     "sweeps": "Sweeps over many motions",
     "audit": "Teaching",
     "algebra": "Symbols and verdicts",

@@ -70,8 +70,8 @@ class Exponents:
     is_settled
         (s,): whether all bars are as small as was asked.
     least_zeros
-        (s,): so many exponents vanish at least: one along the flow of a motion that is no
-        equilibrium, one for each independent constant of the motion.
+        (s,): so many exponents vanish at least: one along the flow of a motion that does not come
+        to rest, one for each independent constant of the motion.
     divergence
         (s,): the mean of tr J, which the sum of all exponents equals.
     drift
@@ -136,12 +136,14 @@ class Exponents:
             f"{x:+.{digits}f} +- {b:.1g}{'  zero' if abs(x) <= b else ''}"
             for x, b in zip(self.values[i], self.bars[i], strict=True)
         ]
-        known = ", ".join(["the flow", *self.constants]) if self.least_zeros[i] else "nothing known"
         told = [f"followed over a time of {self.time[i]:.6g}"]
         if not self.is_settled[i]:
             told[0] += f"; not settled: bars up to {self.bars[i].max():.2g}, {self.bar:.2g} asked"
         if self.is_whole:
-            told.append(f"{self.zeros[i]} zeros, {self.least_zeros[i]} at least by {known}")
+            known = " and ".join(
+                ["the flow", *([", ".join(self.constants)] * bool(self.constants))]
+            )
+            told.append(f"{self.zeros[i]} zeros; at least {self.least_zeros[i]} by {known}")
             told.append(f"sum {self.values[i].sum():.3g}, mean divergence {self.divergence[i]:.3g}")
         if self.is_whole and self.reversal is not None:
             flipped = [n for n, s in zip(self.variables, self.reversal, strict=True) if s < 0]
@@ -262,9 +264,10 @@ def exponents(
     if len(space.motions) == 1 and errors:
         raise errors[0]
     return Exponents(
-        space.system, space.names, tuple(space.constants), found.values, found.bars, found.is_settled,
-        found.least_zeros, found.divergence, found.drift, space.reversal(space.motions.sound[0]),
-        found.time, errors, asked, perf_counter() - began, interrupted,
+        space.system, space.names, tuple(space.constants), found.values, found.bars,
+        found.is_settled, found.least_zeros, found.divergence, found.drift,
+        space.reversal(space.motions.sound[0]), found.time, errors, asked, perf_counter() - began,
+        interrupted,
     )  # fmt: skip
 
 
@@ -282,8 +285,9 @@ class _ExponentTable:
 
     @classmethod
     def empty(cls, count: int, k: int) -> _ExponentTable:
-        wide, none = np.full((2, count, k), np.nan), np.zeros((2, count), dtype=int)
-        return cls(*wide, none[0].astype(bool), none[1], *np.full((3, count), np.nan))
+        wide, row = np.full((count, k), np.nan), np.full(count, np.nan)
+        flags, zeros = np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
+        return cls(wide, wide.copy(), flags, zeros, row, row.copy(), row.copy())
 
     def fill(
         self, i: int, space: PhaseSpace, flow: VariationalFlow, bar: float | None,

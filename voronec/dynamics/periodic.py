@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -43,6 +43,7 @@ from voronec.algebra.arguments import (
 from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
+from voronec.dynamics.newton import null_space
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
@@ -67,6 +68,10 @@ SEARCH = 20_000
 """Steps within which a motion is to come back near its start, where no period is given."""
 NEAR = 0.3
 """It has come back where it is nearer than this part of the farthest it went."""
+POINTS = 201
+"""So many points of an orbit are kept."""
+SHORTEST = 1e-6
+"""A stride along a family, in units of the variables, below which it ends."""
 COARSE = 1e-9
 """The tolerance with which guesses and pictures are computed."""
 _OPTIONAL_REAL = Kind(REAL.words, REAL.fits, optional=True)
@@ -244,6 +249,8 @@ def periodic(
         raise DefinitionError("periodic: give one start; families are followed by along=, to=")
     if (along is None) != (to is None):
         raise DefinitionError("periodic: give along and to, both or none")
+    if points < 2:
+        raise DefinitionError(f"periodic: points={points}: give 2 orbits or more")
     known = [n for n in space.constants if not n.startswith("relation ")]
     if along is not None and along not in known:
         space, known = space.with_variable(along), [*known, along]
@@ -350,47 +357,45 @@ class _OrbitEquations:
     ) -> _Linear:  # fmt: skip
         """The equations, and behind them that of a plane: ``aim`` is a point on it and its
         normal."""
-        n, m, u = len(self.units), self.segments, len(unknowns)
-        x, part = self.states(unknowns), self.period(unknowns) / self.segments
-        off, slopes, steps = [], [], []
+        n, m, units = len(self.units), self.segments, self.units
+        x, part = self.states(unknowns), self.period(unknowns) / m
+        off, slopes, steps = np.zeros((m, n)), np.zeros((m, n, len(unknowns))), []
         for i in range(m):
             state = self.flow.start(x[i], time=i * part * self.space.is_driven, columns=np.eye(n))
             self.flow.go(state, state.time + part, self.values, self.tol)
-            gap = state.x - x[(i + 1) % m]
-            if i == m - 1:
-                gap -= self.turns(unknowns, state.x) * 2 * np.pi
-            row = np.zeros((n, u))
-            row[:, i * n : (i + 1) * n] += state.columns * self.units / self.units[:, None]
             j = (i + 1) % m
-            row[:, j * n : (j + 1) * n] -= np.eye(n)
+            off[i] = (state.x - x[j]) / units
+            slopes[i, :, i * n : (i + 1) * n] += state.columns * units / units[:, None]
+            slopes[i, :, j * n : (j + 1) * n] -= np.eye(n)
             if not self.space.is_driven:
                 rates, _ = self.flow.rates(state.x, self.values)
-                row[:, -1] = rates * self.span / m / self.units
-            off.append(gap / self.units)
-            slopes.append(row)
+                slopes[i, :, -1] = rates * self.span / m / units
             steps.append(state.columns.copy())
-        constants, gradients = self.space.constants_at(x[0], self.values)
-        sizes = np.linalg.norm(gradients * self.units, axis=1)
-        sizes[sizes == 0] = 1.0
-        row = np.zeros((len(self.held), u))
-        row[:, :n] = gradients[self.held] * self.units / sizes[self.held, None]
-        off.append((constants[self.held] - self.targets) / sizes[self.held])
-        slopes.append(row)
-        if not self.space.is_driven:  # of all its points the orbit is told by one
-            place, rates = self.anchor
-            normal = rates / self.units / np.linalg.norm(rates / self.units)
-            row = np.zeros((1, u))
-            row[0, :n] = normal
-            off.append(np.array([normal @ ((x[0] - place) / self.units)]))
-        else:
-            row = np.zeros((1, u))
-            row[0, -1] = 1.0
-            off.append(unknowns[-1:] - 1.0)
-        slopes.append(row)
+        off[-1] -= self.turns(unknowns, state.x) * 2 * np.pi / units
+        further = [self._conditions(unknowns)]
         if aim is not None:
-            off.append(np.array([aim[1] @ (unknowns - aim[0])]))
-            slopes.append(aim[1][None])
-        return _Linear(np.concatenate(off), np.concatenate(slopes), steps)
+            further.append((np.array([aim[1] @ (unknowns - aim[0])]), aim[1][None]))
+        return _Linear(
+            np.concatenate([off.ravel(), *(part for part, _ in further)]),
+            np.concatenate([slopes.reshape(m * n, -1), *(rows for _, rows in further)]), steps,
+        )  # fmt: skip
+
+    def _conditions(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What constants are off their values, and a point of the orbit its place; the slopes."""
+        x, n, held = self.states(unknowns)[0], len(self.units), self.held
+        constants, gradients = self.space.constants_at(x, self.values)
+        sizes = np.linalg.norm(gradients * self.units, axis=1)[held]
+        sizes[sizes == 0] = 1.0
+        off, slopes = np.zeros(len(held) + 1), np.zeros((len(held) + 1, len(unknowns)))
+        off[:-1] = (constants[held] - self.targets) / sizes
+        slopes[:-1, :n] = gradients[held] * self.units / sizes[:, None]
+        if self.space.is_driven:  # then the period is known
+            off[-1], slopes[-1, -1] = unknowns[-1] - 1.0, 1.0
+        else:  # of all its points the orbit is told by one
+            place, rates = self.anchor
+            slopes[-1, :n] = rates / self.units / np.linalg.norm(rates / self.units)
+            off[-1] = slopes[-1, :n] @ ((x - place) / self.units)
+        return off, slopes
 
     def turns(self, unknowns: np.ndarray, end: np.ndarray) -> np.ndarray:
         """By how many whole turns angles have grown."""
@@ -438,27 +443,30 @@ class _OrbitEquations:
         except VoronecError:
             return None
 
+    def multipliers(self, unknowns: np.ndarray) -> tuple[Any, ...]:
+        """The monodromy, trivial and other multipliers, and what the orbit fails to close by."""
+        here, x = self.linear(unknowns, None), self.states(unknowns)[0]
+        monodromy = reduce(lambda before, after: after @ before, here.steps)
+        rates = None if self.space.is_driven else self.flow.rates(x, self.values)[0]
+        gradients = self.space.constants_at(x, self.values)[1]
+        split = _split_multipliers(monodromy, rates, gradients, self.units)
+        return monodromy, *split, float(np.abs(here.off).max())
+
     def orbit(self, unknowns: np.ndarray) -> PeriodicOrbit:
         """The orbit of unknowns that solve the equations."""
-        space, here = self.space, self.linear(unknowns, None)
+        space, values = self.space, self.values
         x, period = self.states(unknowns)[0], self.period(unknowns)
-        monodromy = np.linalg.multi_dot([*here.steps[::-1], np.eye(len(x))]) if len(
-            here.steps) > 1 else here.steps[0]  # fmt: skip
-        constants, gradients = space.constants_at(x, self.values)
-        rates, _ = self.flow.rates(x, self.values)
-        flow = None if space.is_driven else rates
-        trivial, others = _split_multipliers(monodromy, flow, gradients, self.units)
+        monodromy, trivial, others, closure = self.multipliers(unknowns)
+        constants = space.constants_at(x, values)[0].tolist()
         path, state = [x], self.flow.start(x)
-        for t in np.linspace(0, period, 201)[1:]:
-            self.flow.go(state, t, self.values, COARSE, 1)
+        for t in np.linspace(0, period, POINTS)[1:]:
+            self.flow.go(state, t, values, COARSE, 1)
             path.append(state.x.copy())
-        own = dict(
-            zip(map(str, space.motions.program.parameters), self.values.tolist(), strict=True)
-        )
+        parameters = map(str, space.motions.program.parameters)
         return PeriodicOrbit(
             space.system, space.names, x, period, self.turns(unknowns, path[-1]).astype(int),
-            monodromy, trivial, others, dict(zip(space.constants, constants.tolist(), strict=True)),
-            own, float(np.abs(here.off[: here.off.size]).max()), np.array(path),
+            monodromy, trivial, others, dict(zip(space.constants, constants, strict=True)),
+            dict(zip(parameters, values.tolist(), strict=True)), closure, np.array(path),
         )  # fmt: skip
 
     def follow(
@@ -472,7 +480,7 @@ class _OrbitEquations:
         tangent = self.tangent(unknowns, None, way)
         if not way:
             return (first,), (), "complete"
-        step = (to - begin) / (max(points, 2) - 1)
+        step = (to - begin) / (points - 1)
         stride = abs(step / self._rise(unknowns, tangent))
         while len(orbits) < points:
             anchored = replace(self, anchor=self._anchor(unknowns))
@@ -481,17 +489,19 @@ class _OrbitEquations:
                 if way * (anchored.value(there) - to) > 0 or len(orbits) == points - 1:
                     there, ended = anchored.onto(unknowns, tangent, stride, to), "complete"
                 orbit = anchored.orbit(there)
+                pair = orbits[-1], orbit
+                passed = [*anchored.bifurcations(unknowns, tangent, pair, there)]
+                unknowns, tangent = there, self.tangent(there, tangent, way)
             except VoronecError:
                 stride /= 2
-                if stride < 1e-6:
+                if stride < SHORTEST:
                     ended = "ended: no orbit is found farther on"
                     break
                 continue
-            bifurcations += anchored.bifurcations(unknowns, tangent, (orbits[-1], orbit), there)
-            unknowns, tangent = there, self.tangent(there, tangent, way)
+            bifurcations += passed
             orbits.append(orbit)
             if progress is not None:
-                progress(min(len(orbits) / points, 1.0))
+                progress(len(orbits) / points)
             if abs(self.value(unknowns) - to) <= 1e-9 * max(abs(to - begin), abs(to)):
                 break
             rise = abs(self._rise(unknowns, tangent))
@@ -529,10 +539,8 @@ class _OrbitEquations:
         that in which what it is followed along grows most, or falls most, by the sign of ``way``.
         """
         anchored = replace(self, anchor=self._anchor(unknowns))
-        _, sizes, rows = np.linalg.svd(anchored.linear(unknowns, None).slopes)
-        free = rows[int((sizes > SINGULAR * sizes[0]).sum()) :]
-        alone = before is not None and len(free) == 1
-        guide = before if alone else way * self._slope(unknowns)
+        free = null_space(anchored.linear(unknowns, None).slopes, np.ones(len(unknowns))).T
+        guide = way * self._slope(unknowns) if before is None or len(free) > 1 else before
         found = free.T @ (free @ guide)
         if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
             raise EngineLimit(
@@ -568,7 +576,6 @@ class _OrbitEquations:
             ends = [float(np.prod(orbit.multipliers - at).real) for orbit in orbits]
             if not ends[0] * ends[1] < 0 or min(map(abs, ends)) < MARGIN:
                 continue
-
             stride = brentq(partial(self._distance, unknowns, tangent, at), 0.0, reach,
                             xtol=1e-13, rtol=1e-13)  # fmt: skip
             found = self.step(unknowns, tangent, stride)
@@ -578,8 +585,8 @@ class _OrbitEquations:
         self, unknowns: np.ndarray, tangent: np.ndarray, at: int, stride: float
     ) -> float:  # fmt: skip
         """The product of all distances of multipliers from 1 or -1, a stride along the tangent."""
-        orbit = self.orbit(self.step(unknowns, tangent, stride))
-        return float(np.prod(orbit.multipliers - at).real)
+        _, _, others, _ = self.multipliers(self.step(unknowns, tangent, stride))
+        return float(np.prod(others - at).real)
 
 
 def _split_multipliers(
@@ -616,7 +623,7 @@ def _return_time(
     """When a motion comes back next to its start, roughly."""
     state, gaps, farthest = flow.start(x, units=units), [0.0], 0.0
     _, matrix = flow.rates(x, values)
-    step = 0.1 / (np.linalg.norm(matrix * units / units[:, None], 2) or 1.0)
+    step = 0.1 / (float(np.linalg.norm(matrix * units / units[:, None], 2)) or 1.0)
     for i in range(1, SEARCH):
         flow.go(state, i * step, values, COARSE, 1)
         gaps.append(float(np.linalg.norm(_gap(state.x, x, units, turning))))

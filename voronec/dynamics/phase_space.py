@@ -116,19 +116,23 @@ class PhaseSpace:
         return replace(self, motions=moved, constants={**self.constants, name: symbol},
                        moving=(*self.moving, name))  # fmt: skip
 
+    def _rates(self, i: int, states: np.ndarray) -> np.ndarray:
+        """The rates (m, n) at states (m, n) with the parameters of start i, at some instant."""
+        rhs = compile_program(self.motions.program)[0]
+        with np.errstate(all="ignore"):
+            found = rhs(np.float64(0.3), [*states.T], [*self.motions.values[i]])
+        return np.stack([np.broadcast_to(r, len(states)) for r in found], axis=-1)
+
+    def _states_around(self, i: int) -> np.ndarray:
+        """Random states (3, n) around start i."""
+        start = self.motions.states[i]
+        return start + 0.3 * np.random.default_rng(1).standard_normal((3, len(start)))
+
     def angles(self) -> np.ndarray:
         """Which variables are angles: a whole turn of them changes no rate at random states."""
-        n, values = len(self.names), self.motions.values[0]
-        rhs = compile_program(self.motions.program)[0]
-        states = self.motions.states[0] + 0.1 * np.random.default_rng(2).standard_normal((3, n))
-
-        def rates(rows: np.ndarray) -> np.ndarray:
-            with np.errstate(all="ignore"):
-                found = rhs(np.float64(0.3), [*rows.T], [*values])
-            return np.stack([np.broadcast_to(r, len(rows)) for r in found], axis=-1)
-
-        there = rates(states)
-        off = [np.abs(rates(states + 2 * np.pi * row) - there).max() for row in np.eye(n)]
+        states = self._states_around(0)
+        there, turns = self._rates(0, states), 2 * np.pi * np.eye(len(self.names))
+        off = [np.abs(self._rates(0, states + turn) - there).max() for turn in turns]
         return np.array(off) <= SAME * np.abs(there).max()
 
     def flow(self, k: int | None = None) -> VariationalFlow:
@@ -178,23 +182,13 @@ class PhaseSpace:
     def reversal(self, i: int) -> tuple[int, ...] | None:
         """Signs r with f(r x) = -r f(x) for the parameters of start i, as found at random states:
         with them every motion is run through backwards by another; None where there are none."""
-        n, values = len(self.names), self.motions.values[i]
+        n, states = len(self.names), self._states_around(i)
         if n > FEW_STATES:
             return None
-        rhs = compile_program(self.motions.program)[0]
-        random = np.random.default_rng(1)
-        states = self.motions.states[i] + 0.3 * random.standard_normal((3, n))
-
-        def rates(rows: np.ndarray) -> np.ndarray:
-            with np.errstate(all="ignore"):
-                found = rhs(np.float64(0.3), [*rows.T], [*values])
-            return np.stack([np.broadcast_to(r, len(rows)) for r in found], axis=-1)
-
-        there = rates(states)
-        size = np.abs(there).max() or 1.0
+        there = self._rates(i, states)
         for signs in product((1, -1), repeat=n):
-            wrong = np.abs(rates(states * signs) + there * signs).max()
-            if -1 in signs and wrong <= SAME * size:
+            wrong = np.abs(self._rates(i, states * signs) + there * signs).max()
+            if -1 in signs and wrong <= SAME * np.abs(there).max():
                 return signs
         return None
 

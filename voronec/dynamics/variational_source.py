@@ -12,9 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from voronec.motion.steppers import FIFTH, FIRST_GROWTH, STAGE_NODES, STAGES, STEP, THIRD
-from voronec.motion.steppers import WEIGHTS as TABLE
+from voronec.motion.steppers import DOP853, FIRST_GROWTH
 
+LAST = len(DOP853.weights)
+"""The place of the slope at the end of a step."""
 ARRIVAL, LIMIT, NO_STEP = range(3)
 """Why ``drive`` came back: the end is reached, so many steps were made, or no step was short
 enough."""
@@ -30,14 +31,14 @@ def flow_source(right: str, n: int, k: int, places: Sequence[tuple[int, int]]) -
         rows.append(f"    for (int c = 0; c < K; c++) g[{i * k} + c] = {total};")
     trace = " + ".join(f"r[{n + p}]" for p, (i, j) in enumerate(places) if i == j) or "0.0"
     stages = []
-    for s in range(1, STAGES):
-        stages.append(_each(f"z1[i] = z[i] + h*({_sum(TABLE[s])})"))
-        stages.append(f"    slope(t + {STAGE_NODES[s]!r}*h, z1, parameters, k[{s}]);")
+    for s in range(1, LAST):
+        stages.append(_each(f"z1[i] = z[i] + h*({_sum(DOP853.weights[s])})"))
+        stages.append(f"    slope(t + {DOP853.nodes[s]!r}*h, z1, parameters, k[{s}]);")
     pieces = {
         "right": right, "N": str(n), "K": str(k), "entries": str(n + len(places)),
         "trace": trace, "rows": "\n".join(rows), "stages": "\n".join(stages),
-        "step": _sum(STEP), "fifth": _sum(FIFTH), "third": _sum(THIRD),
-        "slopes": str(STAGES + 1), "last": str(STAGES), "growth": repr(FIRST_GROWTH),
+        "step": _sum(DOP853.step), "fifth": _sum(DOP853.fifth), "third": _sum(DOP853.third),
+        "slopes": str(LAST + 1), "last": str(LAST), "growth": repr(FIRST_GROWTH),
         "ARRIVAL": str(ARRIVAL), "LIMIT": str(LIMIT), "NO_STEP": str(NO_STEP),
     }  # fmt: skip
     text = _SOURCE

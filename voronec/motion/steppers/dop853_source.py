@@ -13,6 +13,7 @@ import re
 from math import sqrt
 from pathlib import Path
 from textwrap import indent
+from typing import NamedTuple
 
 from voronec.equations.program import Program, hoist, scalar_source
 from voronec.motion import crossings
@@ -103,6 +104,20 @@ BENDS: tuple[dict[int, float], ...] = (
 )
 """The last four coefficients of the dense output."""
 # fmt: on
+
+
+class Tableau(NamedTuple):
+    """The coefficients of the step: nodes and weights of its stages, what it adds, its errors."""
+
+    nodes: tuple[float, ...]
+    weights: tuple[dict[int, float], ...]
+    step: dict[int, float]
+    fifth: dict[int, float]
+    third: dict[int, float]
+
+
+DOP853 = Tableau(STAGE_NODES[:STAGES], WEIGHTS[:STAGES], STEP, FIFTH, THIRD)
+"""That of this method, for those who write its stages otherwise."""
 
 
 def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
