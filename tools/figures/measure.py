@@ -16,18 +16,19 @@ import voronec as vo
 
 
 def median_time(work: Callable[[], Any], runs: int = 7) -> float:
-    """The median wall-clock time of several runs, in seconds, each with SymPy's cache empty."""
+    """The median CPU time of several runs, in seconds, each with SymPy's cache empty."""
     times = []
     for _ in range(runs):
         clear_cache()
-        start = time.perf_counter()
+        start = time.process_time()
         work()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return statistics.median(times)
 
 
 def by_sympy(system: vo.System) -> tuple[float, LagrangesMethod]:
-    """SymPy's Lagrange equations of a system's own Lagrangian and constraints, and their time.
+    """SymPy's Lagrange equations of a system's own Lagrangian and constraints, and their CPU
+    time.
 
     SymPy wants coordinates as functions of time; they are put in before the clock starts, and
     SymPy's cache is emptied.
@@ -38,9 +39,9 @@ def by_sympy(system: vo.System) -> tuple[float, LagrangesMethod]:
     constraints = [c.xreplace(moving) for c in system.constraints]
     clear_cache()
     method = LagrangesMethod(lagrangian, list(q.values()), nonhol_coneqs=constraints)
-    start = time.perf_counter()
+    start = time.process_time()
     method.form_lagranges_equations()
-    return time.perf_counter() - start, method
+    return time.process_time() - start, method
 
 
 def count_operations(exprs: Iterable[Any]) -> int:

@@ -28,20 +28,23 @@ GROEBNER_LIMITS = (120, 400, 4000)
 def groebner_basis(polynomials: Sequence[Any], context: Any) -> list[Any]:
     """A Groebner basis over Q of polynomials in a flint context.
 
-    Raises ``EngineLimit`` where it grows past ``GROEBNER_LIMITS``.
+    The order that counts degrees goes first: from its basis that of another order is found in a few
+    steps, where from the polynomials themselves the nine entries of a rotation never end.  Raises
+    ``EngineLimit`` where it grows past ``GROEBNER_LIMITS``.
     """
     if not polynomials:
         return []
-    integral = flint.fmpz_mpoly_ctx.get(context.names(), context.ordering())
-    cleared = []
+    found = []
     for p in polynomials:
         scale = lcm(*(int(c.q) for c in p.coeffs()))
-        cleared.append(integral.from_dict({m: int((c * scale).p) for m, c in p.to_dict().items()}))
-    found = flint.fmpz_mpoly_vec(cleared, integral).buchberger_naive(limits=GROEBNER_LIMITS)
-    basis, complete = found
+        found.append({m: int((c * scale).p) for m, c in p.to_dict().items()})
+    complete = False
+    for order in dict.fromkeys((flint.Ordering.degrevlex, context.ordering())):
+        integral = flint.fmpz_mpoly_ctx.get(context.names(), order)
+        start = flint.fmpz_mpoly_vec([*map(integral.from_dict, found)], integral)
+        basis, complete = start.buchberger_naive(limits=GROEBNER_LIMITS)
+        if complete:
+            found = [p.to_dict() for p in basis.autoreduction()]
     if not complete:
         raise EngineLimit("the Groebner basis of the relations grows too large")
-    rational = []
-    for p in basis.autoreduction():
-        rational.append(context.from_dict({m: flint.fmpq(c) for m, c in p.to_dict().items()}))
-    return rational
+    return [context.from_dict({m: flint.fmpq(c) for m, c in p.items()}) for p in found]

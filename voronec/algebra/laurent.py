@@ -328,7 +328,8 @@ class Alphabet:
             common = times(common, below)
         for kind in (VELOCITY, COORDINATE) if few else (VELOCITY,):
             yield from self._collect(terms, kind, depth)
-        yield from self._before_brackets(terms, depth)
+        if few:
+            yield from self._before_brackets(terms, depth)
 
     def below(self, terms: Terms) -> Monomial:
         """What the terms of a sum divide by, as a monomial with negative exponents."""
@@ -391,7 +392,7 @@ class Alphabet:
             for (i, up), n in counts.items()
             if 1 < n < len(terms)
         )
-        for _, i, up in gains[: 2 if len(terms) <= TRIES else 1]:
+        for _, i, up in gains[:2]:
             inside, outside = Terms(), Terms()
             for m, c in terms.items():
                 e = dict(m).get(i, 0)

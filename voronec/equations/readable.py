@@ -434,21 +434,13 @@ class FormSearch:
     # -- identities ---------------------------------------------------------------------------
 
     def _identities(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
-        """Drafts with an identity used, in one equation or in all."""
-        rules = [*self._rules(draft)]
-        for rule in rules:
-            rows = [self.apply_rule(rule, terms) for terms in draft.rows]
-            shorter = [self._flat_length(a) < self._flat_length(b)
-                       for a, b in zip(rows, draft.rows, strict=True)]  # fmt: skip
-            for i, row in enumerate(rows):
-                if shorter[i]:
-                    yield draft._replace(rows=(*draft.rows[:i], row, *draft.rows[i + 1 :])), 1
-            if sum(shorter) > 1 or not any(shorter):
-                found = self._rewrite(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
-                if rule.kinematic:
-                    found = found._replace(rates=draft.rates)
-                if found != draft:
-                    yield found, 1
+        """Drafts with an identity used wherever that makes a sum shorter."""
+        for rule in [*self._rules(draft)]:
+            found = self._rewrite(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
+            if rule.kinematic:
+                found = found._replace(rates=draft.rates)
+            if found != draft:
+                yield found, 1
 
     def _shorter(self, rule: Rule, terms: Terms) -> Terms:
         found = self.apply_rule(rule, terms)
