@@ -131,7 +131,7 @@ class PrintedClaim:
 
 def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
     """The formulas of a paper as they are read with a dictionary."""
-    found = []
+    found: list[PrintedClaim] = []
     for number, section in enumerate(document.sections):
         for display in section.displays:
             found += _claims_in(document, number, display, study)
