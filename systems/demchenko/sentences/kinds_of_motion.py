@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Interval, Quoted, Range, Sentence, Study, one_of
+from voronec.audit import Interval, Quoted, Range, Study, one_of
 
 from .. import k
 from ..dictionary.kinds_of_motion import (
@@ -255,45 +255,10 @@ FIGURE = r"Figure\s*\\ref\{[^}]*\}"
 OF_THE_THESIS = "that the dissertation has it there is quoted, and the figure is not in the LaTeX"
 
 
-def caption(text: str) -> Sentence:
-    """What stands under a figure."""
-    return Sentence(text, curve_of_figure, "text", cited=OF_THE_THESIS)
-
-
 def sides_of(formula: Quoted) -> list[str]:
     """Both sides of an equation as they are printed."""
     return formula.latex.strip("$").replace(" ", "").split("=")
 
 
-TEXT = sentences(__file__, globals())
-
-SENTENCES = (
-    *TEXT,
-    caption(
-        r"\caption{Demchenko: Figure 4 p. 53: the curve @curve:names{$A$}.}\label{@figure:word{fig:slika4}}"
-    ),
-    caption(
-        r"\caption{Figure 5, p. 53: the curve @curve:names{$B$}.}\label{@figure:word{fig:slika5}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 6 p. 53: the curve @curve:names{$C_1$}.}\label{@figure:word{fig:slika6}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 7, p. 53: the curve @curve:names{$C_2$}.}\label{@figure:word{fig:slika7}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 8 p. 56: the curve @curve:names{$D_1$}.}\label{@figure:word{fig:slika8}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 9, p. 56: the curve @curve:names{$D_2$}.}\label{@figure:word{fig:slika9}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 10 p. 57: the curve @curve:names{$D_3$}.}\label{@figure:word{fig:slika10}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 11, p. 57: the curve @curve:names{$E_1$}.}\label{@figure:word{fig:slika11}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 12, p. 58: the curve @curve:names{$E_2$}.}\label{@figure:word{fig:slika12}}"
-    ),
-)
+SENTENCES = sentences(__file__, globals())
+TEXT = tuple(s for s in SENTENCES if s.decide is not curve_of_figure)
