@@ -16,7 +16,7 @@ from command_line import Answer, Call
 
 from voronec.cli import OBJECTS, main
 from voronec.errors import DefinitionError
-from voronec.motion.model import model_cache
+from voronec.motion.formulation import model_cache
 
 gc.set_threshold(OBJECTS)  # as commands do
 
@@ -26,6 +26,11 @@ with suppress(ImportError):
 
 # A package of somebody else: its tests run where it is installed, in ``test_conformance``.
 collect_ignore = ["plugin_package"]
+
+
+def pytest_sessionfinish() -> None:
+    """What is left ends with the process, and pytest need not look through it five times."""
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

@@ -293,3 +293,21 @@ def test_what_sympy_differentiates_as_complex_is_real_inside():
         assert prove_equal(sp.diff(size, x), sp.sign(inner) * own).proved
         assert prove_equal(sp.Derivative(size, x), inner * own / size).proved
     assert SymPyBridge().inward(sp.diff(sp.arg(x), x)) == 0
+
+
+PIECES = [
+    sp.Heaviside(x), sp.Heaviside(x, 1), sp.Max(x, y, 1), sp.Min(x, y), sp.floor(x), sp.frac(x),
+    sp.ceiling(x), sp.Mod(x, Q(3, 2)), sp.Piecewise((x**2, x < 1), (y, x > 1), (7, True)),
+    sp.Piecewise((1, (x > 0) & (y <= 1) | sp.Eq(x, -1)), (x, ~(x < 0)), (y, True)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("expr", PIECES, ids=str)
+def test_functions_in_pieces_keep_their_values_on_the_switches_too(expr):
+    bridge = SymPyBridge()
+    back = bridge.outward(bridge.inward(expr))
+    places = [Q(n, 2) for n in range(-4, 5)]
+    for a in places:
+        for b in (0, 1, Q(5, 2)):
+            at = {x: a, y: b}
+            assert back.subs(at).doit() == expr.subs(at).doit()

@@ -20,7 +20,7 @@ from voronec.accuracy import bench
 from voronec.accuracy import reference as references
 from voronec.accuracy.bench import OWN, Contender, Measured, NotHere, Outcome, Point
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
-from voronec.accuracy.problem import level, lowest
+from voronec.accuracy.problem import formulation, lowest
 from voronec.accuracy.solution import agreement
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
@@ -65,7 +65,7 @@ def contender(name: str) -> Contender:
 def test_every_method_gets_the_same_doubles(ball: bench.ReferenceProblem) -> None:
     assert ball.initial["omega3"] == 0.2 and ball.parameters["I1"] == 0.4
     assert ball.outputs == ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
-    low, high = level(ball, "invariants"), level(ball, "coordinates")
+    low, high = formulation(ball, "invariants"), formulation(ball, "coordinates")
     assert len(low.start) == 6 and len(high.start) == 8
     # the normal is a function of the doubles, known beyond them
     assert abs(low.start[1] ** 2 + low.start[2] ** 2 - 1) < 1e-15
@@ -117,7 +117,8 @@ def test_a_reference_is_as_good_as_it_says(spring: bench.ReferenceProblem) -> No
 def test_two_runs_meet_on_different_equations(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
     one, other = (
-        references.taylor_values(level(ball, name), 1e-30) for name in ("coordinates", "invariants")
+        references.taylor_values(formulation(ball, name), 1e-30)
+        for name in ("coordinates", "invariants")
     )
     found = agreement(ball.grid, [("one", one), ("other", other)], 1e-25)
     assert found is not None and len(found.t) == len(ball.grid)
@@ -125,7 +126,7 @@ def test_two_runs_meet_on_different_equations(ball: bench.ReferenceProblem) -> N
 
 def test_more_digits_are_better_digits(ball: bench.ReferenceProblem) -> None:
     pytest.importorskip("heyoka")
-    at = level(ball, "invariants")
+    at = formulation(ball, "invariants")
     rough, fine, finest = (references.taylor_values(at, tol)["omega1"] for tol in (
         1e-17, 1e-25, 1e-50
     ))  # fmt: skip
@@ -172,7 +173,7 @@ def test_a_fraction_in_the_equations_keeps_its_digits() -> None:
         scenes={"default": vo.Scene(initial={q: 1}, times=(0, 1))},
     )
     problem = bench.scene_problem(third, outputs=("q",), instants=3)
-    found = references.taylor_values(level(problem, "coordinates"), 1e-30)["q"]
+    found = references.taylor_values(formulation(problem, "coordinates"), 1e-30)["q"]
     with mpmath.workdps(40):
         exact = [mpmath.cos(t / mpmath.sqrt(3)) for t in (0, 0.5, 1)]
     assert bench.difference(found, np.array(exact)).max() < 1e-28
@@ -303,7 +304,6 @@ PEERS = (
     "heyoka-by-hand",
     "dop853-by-hand",
     "scipy",
-    "python",
 )
 
 
@@ -500,7 +500,7 @@ def test_set_up_is_measured_in_fresh_processes(tmp_path: Path) -> None:
 
 
 def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.ReferenceProblem) -> None:
-    at = level(ball, "invariants")
+    at = formulation(ball, "invariants")
     assert isinstance(at.program, Program) and at.name == "invariants"
     values, drift = at.outputs_and_drift(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))
     assert values["omega2"].tolist() == [2.0, 4.0]

@@ -49,8 +49,52 @@ def test_every_command_speaks_json(call: Call, words: str) -> None:
     assert json.loads(answer.out)
 
 
-def test_without_a_command_the_help_is_shown(call: Call) -> None:
-    assert "usage: voronec" in call().out
+def test_without_a_command_there_are_three_things_to_try(call: Call) -> None:
+    told = call()
+    assert told.status == 0 and told.out.startswith("Three things to try:")
+    tried = re.findall(r"^  voronec (\w+) (\S+)", told.out, re.MULTILINE)
+    assert [command for command, _ in tried] == ["derive", "view", "new"]
+    for command, name in tried:
+        assert call(command, name).status == 0
+    assert "usage: voronec" in call("--help").out
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("voronec der", ["derive"]),
+        ("voronec derive sleigh-o", ["sleigh-on-turntable"]),
+        ("voronec run sleigh --method hey", ["heyoka"]),
+        ("voronec run sleigh --ani", ["--animate"]),
+        ("voronec show my-", ["my-car.toml", "my-folder/"]),
+    ],
+)
+def test_a_shell_offers_commands_options_systems_and_files(
+    tmp_path: Path, shell: str, line: str, offered: list[str]
+) -> None:
+    (tmp_path / "my-car.toml").touch()
+    (tmp_path / "my-notes.txt").touch()
+    (tmp_path / "my-folder").mkdir()
+    asked = {
+        "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": shell, "_ARGCOMPLETE_SUPPRESS_SPACE": "1",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "offered"), "COMP_LINE": line,
+        "COMP_POINT": str(len(line)), "IFS": "\n",
+    }  # fmt: skip
+    words = [sys.executable, "-m", "voronec"]
+    subprocess.run(words, cwd=tmp_path, env=os.environ | asked, check=False)
+    found = re.split(r"[\n\v\x0b]", (tmp_path / "offered").read_text())
+    assert [re.split(r"[\t:]", word)[0].strip() for word in found if word] == offered
+
+
+@pytest.mark.parametrize("words", ["", "--help", "list --names", "derive sleigh", "derive none"])
+def test_nothing_is_coloured(words: str) -> None:
+    """Neither on a terminal nor elsewhere; what replaces a line of progress stays on terminals."""
+    done = subprocess.run(
+        [sys.executable, "-m", "voronec", *words.split()], capture_output=True, text=True,
+        check=False, env=os.environ | {"NO_COLOR": "1"},
+    )  # fmt: skip
+    assert "\x1b" not in done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(
@@ -142,7 +186,7 @@ def test_references_of_a_system_have_their_entries(call: Call, name: str) -> Non
 def test_derive_tells_kind_growth_equations_and_curvature(call: Call) -> None:
     lines = call("derive", "sleigh").out.splitlines()
     for line in (
-        "kind            chaplygin",
+        "kind                     chaplygin",
         "growth vector            (2, 3) of 3",
         "integrable combinations  none of 1",
         "  xdot   = v*cos(phi)",

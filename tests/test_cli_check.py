@@ -276,8 +276,7 @@ def test_ctrl_c_finds_no_process_that_still_starts(
         for _ in range(20):
             os.kill(worker.process.pid, signal.SIGINT)
             time.sleep(0.01)
-        worker.give(unit)
-        assert worker.take().status == "proved"
+        assert worker.ask(unit).status == "proved"
     finally:
         worker.end()
     assert capfd.readouterr().err == ""

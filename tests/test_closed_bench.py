@@ -7,7 +7,7 @@ import voronec as vo
 from voronec.accuracy import reference as references
 from voronec.accuracy.bench import measure, scene_problem
 from voronec.accuracy.hard import CASES, reference
-from voronec.accuracy.hard.case import case_level
+from voronec.accuracy.hard.case import case_formulation
 from voronec.accuracy.hard.trial import attempt
 
 pytestmark = pytest.mark.slow
@@ -63,7 +63,7 @@ def test_hard_cases_are_met_by_the_closed_form(equations, name):
 
 def test_references_of_hard_cases_agree_with_the_closed_form(equations):
     (case,) = (c for c in CASES if c.name == "turning-point")
-    found = references.closed_form_values(case_level(case, equations).problem)
+    found = references.closed_form_values(case_formulation(case, equations).problem)
     known = reference(case, equations)
     for name, values in known.values.items():
         assert np.abs(found[name].astype(float) - values).max() < 1e-15

@@ -8,7 +8,7 @@ from flint import acb_poly, arb, arb_poly, ctx
 
 import voronec as vo
 from voronec.closed.arithmetic import ball, compile_expressions, exact, precise, vanishes
-from voronec.closed.classes.trace_classes import classify
+from voronec.closed.classes import classify
 from voronec.elliptic import Integral, Numbers, invert
 from voronec.elliptic.roots import isolations
 

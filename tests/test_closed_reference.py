@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import voronec as vo
-from voronec.closed.classes.trace_classes import classify
+from voronec.closed.classes import classify
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 import voronec
-from voronec.cli import main
-from voronec.cli.arguments import command_parser
+from voronec.cli import command_parser, main
 
 pytestmark = pytest.mark.slow
 

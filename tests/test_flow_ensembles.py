@@ -193,9 +193,9 @@ def test_a_script_that_processes_cannot_read_is_told_so_in_one_line(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     run = [sys.executable, "script.py"]
     done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
-    (told,) = {*done.stderr.splitlines()[:1]}
-    assert done.returncode == 1 and "if __name__ == '__main__':" in told
-    assert done.stderr.splitlines()[-1].endswith(f"DefinitionError: {told}")
+    told = done.stderr.splitlines()[-1]
+    assert done.returncode == 1 and "DefinitionError: several jobs are processes" in told
+    assert done.stderr.count("if __name__ == '__main__':") == 1
 
 
 @HEYOKA
@@ -272,7 +272,7 @@ def test_the_smallest_model_gives_the_same_as_the_coordinates():
     low = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=names)
     high = vo.ensemble(equations, starts, scene="default", times=GRID, outputs=(*names, "u"))
     alone = vo.integrate(equations, "default", GRID, names, initial={"omega1": 0.6, "omega2": -1.0})
-    assert low.level != high.level
+    assert low.formulation != high.formulation
     for name in names:
         assert low[name] == pytest.approx(high[name], abs=1e-10)
         assert low[name][1] == pytest.approx(alone[name], abs=1e-10)

@@ -22,7 +22,8 @@ from voronec.motion.steppers import run as marching
 pytestmark = pytest.mark.slow
 
 DOUBLES = ("scipy", "lsoda", *(["heyoka"] if find_spec("heyoka") else []))
-COMPILED = ("python", *(["numba"] if find_spec("numba") else []), *(["c"] if which("cc") else []))
+# The method numba compiles the steps that c has: it is tested in test_compiled_methods.
+COMPILED = ("c",) if which("cc") else ()
 doubles = pytest.mark.parametrize("method", DOUBLES)
 every = pytest.mark.parametrize("method", [*DOUBLES, "flint"])
 
@@ -281,7 +282,7 @@ def test_a_zero_at_the_start_hides_no_later_one(method):
 
 
 PUSH = sp.Symbol("u")
-ALL = ["heyoka", "scipy", "c", "lsoda", "flint", "python"]
+ALL = ["heyoka", "scipy", "c", "lsoda", "flint"]
 
 
 def pushed(table: vo.Table, event: vo.Event, speed: float, method: str) -> vo.Trajectory:
@@ -401,7 +402,7 @@ def test_zeros_of_third_order_are_passed_once(method: str, place: int) -> None:
 
 
 @pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("method", [m for m in (*DOUBLES, "flint", "python") if m != "lsoda"])
+@pytest.mark.parametrize("method", [m for m in (*DOUBLES, "flint") if m != "lsoda"])
 def test_a_zero_at_the_last_instant_counts(method: str, way: int) -> None:
     """heyoka took it for the start of a step that never comes; lsoda ends 1e-16 before it."""
     free = vo.System(name="free", fibration=vo.Fibration(base=(x,)), lagrangian=Dx**2 / 2)
@@ -474,20 +475,19 @@ def polynomial(roots: Any) -> tuple[vo.System, dict[Any, Any], sp.Expr]:
     return system, {x: place.subs(vo.time, 0), Dx: rate.subs(vo.time, 0)}, rate
 
 
-HALVES = [sp.Rational(k, 2) for k in range(2, 8)]
 DICE = Random(3)
 ROOTS = [
-    [1, 2, 3], HALVES, [1, 1 + sp.Rational(1, 10**5), 2], [1, 2, 2 + sp.Rational(1, 10**4)],
+    [1, 2, 3], [sp.Rational(k, 2) for k in range(2, 8)],
+    [1, 1 + sp.Rational(1, 10**5), 2], [1, 2, 2 + sp.Rational(1, 10**4)],
     *(sorted(DICE.sample([sp.Rational(k, 20) for k in range(1, 80)], n)) for n in (2, 5, 8)),
 ]  # fmt: skip
 
 
 METHODS = (*DOUBLES, "flint", *COMPILED)
-# numba compiles for ten seconds for each polynomial
-FOUND = [(r, m) for r in ROOTS for m in METHODS if m != "numba" or r is HALVES]
 
 
-@pytest.mark.parametrize(("roots", "method"), FOUND, ids=str)
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("roots", ROOTS, ids=str)
 def test_simple_roots_of_polynomials_are_all_found_once(roots: Any, method: str) -> None:
     """They are where a step is halved, or close together: Taylor's method takes one step."""
     system, start, rate = polynomial(roots)
@@ -525,7 +525,7 @@ def test_a_root_without_a_change_of_sign_is_noted() -> None:
 
 
 @pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("method", [*DOUBLES, "flint", "python"])
+@pytest.mark.parametrize("method", [*DOUBLES, "flint"])
 def test_all_that_happens_at_the_instant_of_a_stop_is_told(method: str, way: int) -> None:
     stops = [vo.Event(k * x, f"{k}", stop=True) for k in (1, 2)]
     later = vo.Event(x + sp.Rational(1, 10**6), "later")

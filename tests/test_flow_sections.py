@@ -238,8 +238,8 @@ def test_the_reduced_ball_and_its_coordinates_have_one_section():
     given = {"scene": "default", "crossings": 5}
     low = vo.section(equations, "gamma1", ("gamma2", "omega1"), **given)
     high = vo.section(equations, "gamma1", ("gamma2", "omega1", "u"), **given)
-    assert low.level.startswith("invariants")
-    assert high.level == "coordinates"
+    assert low.formulation.startswith("invariants")
+    assert high.formulation == "coordinates"
     assert low.t == pytest.approx(high.t, abs=1e-10)
     assert low.points == pytest.approx(high.points[:, :2], abs=1e-10)
 
@@ -288,7 +288,7 @@ def test_a_motion_that_passes_a_pole_goes_on_in_another_chart(method, beside_pol
 
 def test_a_plane_without_a_real_value_is_refused(oscillator):
     with pytest.raises(vo.DefinitionError, match="has no real value along the motion"):
-        vo.section(oscillator, sp.sqrt(-(x**2) - 1), crossings=1)
+        vo.section(oscillator, sp.sqrt(-(x**2) - 1), crossings=1, until=30)
 
 
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from random import Random
 from shutil import which
 
@@ -472,6 +473,7 @@ def test_whether_a_motion_is_followed_hangs_on_no_sample(
 BLADE_START = {"y": 1.093, "phi": -1.457, "x": 0.519, "ydot": -0.149, "phidot": 1.294}
 
 
+@cache
 def blade() -> vo.System:
     """A blade on a plane, given by the velocity of y: along x that does not tell the other."""
     x, y, phi = sp.symbols("x y phi")

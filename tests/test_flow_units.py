@@ -230,7 +230,7 @@ def test_the_rounding_of_a_rate_that_is_all_but_zero_does_not_shorten_steps() ->
     assert np.ptp(rate) < 1e-10
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c", "python"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "c"])
 @pytest.mark.parametrize("a", [1e-8, 1e-9, 1e-11])
 def test_slow_velocities_tell_no_length_where_the_body_turns(method: str, a: float) -> None:
     """The sleigh goes round within a unit of time: its way is as long as it is in that, and not in

@@ -21,6 +21,7 @@ class Loop:
 @pytest.fixture
 def collection() -> Iterator[None]:
     gc.enable()
+    gc.unfreeze()
     yield
     gc.unfreeze()
     gc.enable()

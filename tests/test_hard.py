@@ -24,7 +24,7 @@ from voronec.accuracy.hard import (
     named_cases,
     reference,
 )
-from voronec.accuracy.hard.case import case_level
+from voronec.accuracy.hard.case import case_formulation
 from voronec.accuracy.hard.page import cells, page, tally
 from voronec.accuracy.hard.reference import STORE, changed_data_reference
 from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
@@ -56,7 +56,7 @@ def on_the_line(end: float, points: int, **more: Any) -> HardCase:
 def test_a_case_that_makes_no_sense_is_refused_with_the_mend() -> None:
     scene = vo.Scene({x: 1}, (0, 1), {}, ("x",))
     for wrong, said in (
-        ({"level": "momenta"}, "give coordinates, invariants or ''"),
+        ({"formulation": "momenta"}, "give coordinates, invariants or ''"),
         ({"arithmetic": "double"}, "give quadruple or extended"),
         ({"methods": ("euler",)}, "method 'euler'"),
         ({"methods": [{}]}, "method '{}'"),
@@ -73,9 +73,9 @@ def test_names_are_unique_and_the_quick_ones_exist() -> None:
 
 def test_every_case_has_the_reference_of_its_own_declaration() -> None:
     kept = json.loads(STORE.read_text("utf-8"))
-    assert {*kept} == {case.name for case in CASES if case.level}
+    assert {*kept} == {case.name for case in CASES if case.formulation}
     for case in CASES:
-        if case.level:
+        if case.formulation:
             assert kept[case.name]["digest"] == case.digest, case.name
             found = reference(case)
             assert {*found.values} == {*found.condition} and len(found.t) == case.points
@@ -83,7 +83,7 @@ def test_every_case_has_the_reference_of_its_own_declaration() -> None:
 
 def test_two_runs_of_every_reference_agree_far_below_what_is_allowed() -> None:
     for case in CASES:
-        if case.level and case.name != "past-the-horizon":
+        if case.formulation and case.name != "past-the-horizon":
             known = reference(case)
             allowed = max(1e-10, 100 * UNIT * known.largest_condition)
             assert known.accuracy <= 1e-2 * allowed, (case.name, known.accuracy)
@@ -176,7 +176,7 @@ def test_a_motion_without_a_period_is_refused() -> None:
 
 def test_data_that_are_no_doubles_keep_their_digits() -> None:
     (case,) = named_cases(["near-the-pole"], CASES)
-    at = case_level(case, vo.derive(vo.load(case.system)))
+    at = case_formulation(case, vo.derive(vo.load(case.system)))
     with mpmath.workdps(50):
         assert abs(at.start[0] - mpmath.mpf("0.001")) < 1e-48, "not the double next to it"
         assert abs(at.values[3] - mpmath.mpf("0.4")) < 1e-48
@@ -191,7 +191,7 @@ def test_changed_data_confirm_the_variational_equations() -> None:
     # errors of the data alone: lower than with those made on the way, by little here
     assert (found.condition["x"] <= exact.condition["x"] * 1.001).all()
     assert (found.condition["x"] >= exact.condition["x"] / 4).all()
-    at, step = case_level(case, own), sp.Rational(1, 10**12)
+    at, step = case_formulation(case, own), sp.Rational(1, 10**12)
     passage = precise_integrator(at, 1e-30).follow(case.grid)
     for by, value, slope in (
         ("initial", {"x": 1}, passage.steps[0][0, [*map(str, at.program.state)].index("x")]),
@@ -275,7 +275,7 @@ def test_an_output_that_is_zero_is_compared_absolutely() -> None:
 
 def test_only_cases_past_the_horizon_have_no_digit_left() -> None:
     for case in CASES:
-        if case.level:
+        if case.formulation:
             lost = 100 * UNIT * reference(case).largest_condition > 1
             assert lost == (case.name == "past-the-horizon"), case.name
 
@@ -287,7 +287,7 @@ def refuse(*_given: Any, **_named: Any) -> None:
 def test_a_motion_where_none_starts_is_wrong_and_a_refusal_right(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    case = on_the_line(1.0, 2, level="")
+    case = on_the_line(1.0, 2, formulation="")
     assert judge(case, "auto", trajectory(0.0), None).verdict == "missed"
     monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     trial = attempt(case, vo.derive(particle(x)), "auto", None)

@@ -120,8 +120,10 @@ SHORT_PUSHES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["auto", "lsoda"])
-@pytest.mark.parametrize("push", SHORT_PUSHES)
+@pytest.mark.parametrize(
+    ("push", "method"),
+    [*((push, "auto") for push in SHORT_PUSHES), ("a bell", "lsoda"), ("a beat", "lsoda")],
+)
 def test_a_short_push_by_a_function_is_not_stepped_over(push, method):
     function, gained = SHORT_PUSHES[push]
     for times in ([0, 10], np.linspace(0, 10, 101), np.linspace(0, 10, 1001), [10, 0]):
@@ -130,6 +132,9 @@ def test_a_short_push_by_a_function_is_not_stepped_over(push, method):
         )
         sign = 1 if times[-1] > 0 else -1
         assert abs(run["xdot"][-1] - sign * gained) < 1e-10 and run.notes == ()
+
+
+def test_an_event_of_a_short_push_is_seen():
     seen = vo.integrate(
         MASS, times=[0, 10], initial={x: 0}, inputs={tau: bell}, events=(vo.Event(tau - 50),)
     )
@@ -600,3 +605,145 @@ def test_an_event_that_jumps_through_zero_with_a_held_input(method: str, times: 
         assert sorted(map(float, motion.events["tau"].t)) == truth
     ended = vo.integrate(cart, events=(vo.Event(tau, direction=1, stop=True),), **run)
     assert ended.stopped == "tau" and float(ended.t[-1]) == 1.5
+
+
+def glued_arcs(controller, period, end):
+    """The oscillator under a held input: x - u and its rate turn about u from sample to sample."""
+    at, speed, t = 1.0, 0.0, 0.0
+    for k in range(math.ceil(end / period)):
+        force = controller(k * period, {"x": at, "xdot": speed})
+        span = min((k + 1) * period, end) - t
+        away, c, s = at - force, math.cos(span), math.sin(span)
+        at, speed, t = force + away * c + speed * s, speed * c - away * s, t + span
+    return at
+
+
+def damped(t, state):
+    return max(-0.6, min(0.6, -2 * state["xdot"] - state["x"]))
+
+
+@pytest.mark.parametrize("method", ["heyoka", "c", "scipy", "lsoda", "flint"])
+def test_a_sampled_controller_is_asked_at_its_instants_and_held_between(method):
+    seen = []
+
+    def controller(t, state):
+        seen.append(t)
+        return damped(t, state)
+
+    run = moved(vo.Sampled(controller, 0.1), method, [0, 0.25, 2.0], outputs=(x, tau))
+    assert seen == [k * 0.1 for k in range(20)]
+    loose = 1e-7 if method == "lsoda" else 1e-12
+    assert float(run["x"][-1]) == pytest.approx(glued_arcs(damped, 0.1, 2.0), abs=loose)
+    assert float(run["x"][1]) == pytest.approx(glued_arcs(damped, 0.1, 0.25), abs=loose)
+    assert run["tau"][0] == damped(0, {"x": 1, "xdot": 0})
+
+
+def test_samples_late_in_time_are_rounded_once_and_events_and_dense_output_go_on():
+    seen = []
+    run = moved(
+        vo.Sampled(lambda t, state: seen.append(t) or 0.0, 0.1), times=[7.3, 8.3], dense=True,
+        events=(vo.Event(x),),
+    )  # fmt: skip
+    exact = [sp.Rational(7.3) + k * sp.Rational(0.1) for k in range(10)]
+    assert seen == [float(t) for t in exact]
+    assert run.at([7.9])["x"] == pytest.approx([math.cos(0.6)], abs=1e-12)
+    assert moved(vo.Sampled(damped, 0.5), times=[0, 9], events=(vo.Event(x),)).events["x"].t[0] > 0
+
+
+@pytest.mark.parametrize("method", ["auto", "lsoda"])
+def test_a_continuous_controller_makes_the_motion_of_its_expression(method):
+    seen = lambda t, state: -2 * state["xdot"] - state["x"]  # noqa: E731
+    run, meant = moved(seen, method, outputs=(x, tau)), moved(-2 * DX - x, outputs=(x, tau))
+    assert run.cost.method == ("scipy" if method == "auto" else method)
+    loose = 1e-12 if method == "auto" else 1e-8
+    assert np.abs(run["x"] - meant["x"]).max() < loose
+    assert np.abs(run["tau"] - meant["tau"]).max() < 10 * loose
+    saturated = moved(damped, times=[0, 5])["x"][-1]
+    assert saturated == pytest.approx(
+        moved("Max(-3/5, Min(3/5, -2*xdot - x))", times=[0, 5])["x"][-1]
+    )
+
+
+def test_a_controller_is_told_velocities_that_follow_from_the_constraints():
+    y, phi = sp.symbols("y phi")
+    knife = System(
+        name="knife", fibration=Fibration((x, phi), (y,)),
+        lagrangian=(DX**2 + velocity(y) ** 2 + velocity(phi) ** 2) / 2,
+        constraints=(velocity(y) * sp.cos(phi) - DX * sp.sin(phi),), forces={phi: tau},
+        inputs=(tau,),
+    )  # fmt: skip
+    told = []
+    for kind in (lambda f: f, lambda f: vo.Sampled(f, 0.25)):
+        vo.integrate(
+            knife, initial={phi: 0.3, DX: 1}, times=[0, 1],
+            inputs={tau: kind(lambda t, state: told.append(dict(state)) or -state["phi"])},
+        )  # fmt: skip
+    assert all(s["ydot"] == pytest.approx(s["xdot"] * math.tan(s["phi"])) for s in told)
+
+
+def test_ensembles_sweeps_and_prepared_problems_take_controllers(tmp_path):
+    grid, value = np.linspace(0, 2, 5), vo.Sampled(damped, 0.1)
+    alone = [moved(value, times=grid, outputs=(x,))["x"][-1], glued_arcs(damped, 0.1, 2.0)]
+    many = vo.ensemble(SPRING, starts={"x": [1, 2]}, times=grid, inputs={tau: value})
+    swept = vo.sweep(
+        SPRING, grid={"x": [1, 2]}, times=2, inputs={tau: value}, record=["final(x)"], jobs=1,
+        out=tmp_path / "found.zarr",
+    )  # fmt: skip
+    prepared = vo.prepare(SPRING, inputs={tau: value})
+    found = [
+        many["x"][0, -1],
+        vo.open(swept.path)["final(x)"].values[0],
+        prepared.run({x: 1}, times=grid)["x"][-1],
+    ]
+    assert found == pytest.approx([alone[0]] * 3, abs=1e-13)
+    assert alone[0] == pytest.approx(alone[1], abs=1e-12)
+
+
+def no_plan(t, state):
+    if t > 0.5:
+        raise ValueError("no plan")
+    return 0.0
+
+
+@pytest.mark.parametrize("period", [None, 0.1])
+@pytest.mark.parametrize(
+    ("controller", "words", "reached"),
+    [
+        (no_plan, "raises ValueError: no plan; the run is kept up to t = 0.", 5),
+        (lambda t, state: [1, 2], r"returns an array of 2, not one number; .* t = 0 \(x = 1", 1),
+        (lambda t, state: math.nan if t > 0.5 else 0, "returns nan, which is not finite; ", 5),
+        (lambda t, state: state["y"], r"t = 0 raises KeyError: 'y'; .*\(x = 1, xdot = 0\)", 1),
+    ],
+)
+def test_a_controller_that_fails_is_told_with_time_and_state_and_the_run_is_kept(
+    controller, words, reached, period
+):
+    value = vo.Sampled(controller, period) if period else controller
+    with pytest.raises(vo.IntegrationError, match=words) as raised:
+        moved(value, times=np.linspace(0, 1, 11))
+    assert "\n" not in str(raised.value) and len(raised.value.trajectory) >= reached
+    kept = raised.value.trajectory
+    if controller is no_plan:
+        assert np.abs(kept["x"] - np.cos(kept.t)).max() < 1e-12
+    with pytest.raises(vo.IntegrationError, match=words):  # with events it goes piece by piece
+        moved(value, times=np.linspace(0, 1, 11), events=(vo.Event(x - 5),))
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: vo.Sampled(damped, 0), "the period 0 is no positive number"),
+        (lambda: vo.Sampled(3, 0.1), "the controller 3 is no function"),
+        (lambda: moved(damped, "heyoka"), r"give Sampled\(controller, period\)"),
+        (lambda: moved(vo.Sampled(damped, 0.1), times=[1, 0]), "let the times grow"),
+    ],
+)
+def test_controllers_that_make_no_sense_are_refused_in_a_line(make, words):
+    with pytest.raises(DefinitionError, match=words) as raised:
+        make()
+    assert "\n" not in str(raised.value)
+
+
+def test_a_controller_that_chatters_is_sent_to_samples():
+    with pytest.raises(vo.IntegrationError, match=r"give Sampled\(controller, period\)"):
+        moved(lambda t, state: -2 if state["xdot"] > 0 else 2, times=[0, 5])

@@ -21,7 +21,7 @@ import voronec as vo
 x, y, phi, v, w, a, k = sp.symbols("x y phi v w a k")
 Dx, Dy, Dphi = map(vo.velocity, (x, y, phi))
 ABSENT = {"heyoka": find_spec("heyoka") is None, "c": which("cc") is None}
-METHODS = "heyoka", "scipy", "lsoda", "c", "python", "flint"
+METHODS = "heyoka", "scipy", "lsoda", "c", "flint"
 BOUND = {"heyoka": 1e-12, "lsoda": 5e-10}
 """How far a motion may be off; of other methods 1e-11.  Drifts are a tenth of it at most."""
 

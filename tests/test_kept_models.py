@@ -6,6 +6,7 @@ import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 
 import voronec as vo
 from voronec.declaration import source_digest
-from voronec.motion.model import model_cache, smallest
+from voronec.motion.formulation import model_cache, smallest
 from voronec.motion.steppers import heyoka_stepper
 
 BALL = {"u": 1.1, "v": 0.3, "u1": 1, "omega1": 0.7, "omega2": -0.4, "omega3": 0.5}
@@ -46,29 +47,31 @@ def motion(name: str, outputs: tuple[str, ...], initial: dict[str, float], metho
 
 
 @pytest.fixture
-def no_levels(monkeypatch: pytest.MonkeyPatch):
-    """Call it, and levels can no longer be derived."""
+def no_formulations(monkeypatch: pytest.MonkeyPatch):
+    """Call it, and formulations can no longer be derived."""
 
     def refused(*_: object) -> None:
-        raise AssertionError("the levels are derived")
+        raise AssertionError("the formulations are derived")
 
     def forbid() -> None:
-        monkeypatch.setattr(smallest, "coordinates_level", refused)
-        monkeypatch.setattr(smallest, "invariants_level", refused)
+        monkeypatch.setattr(smallest, "coordinates_formulation", refused)
+        monkeypatch.setattr(smallest, "invariants_formulation", refused)
 
     return forbid
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
-def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(shelf, no_levels, method) -> None:
+def test_a_motion_from_the_disk_is_the_fresh_one_bit_for_bit(
+    shelf, no_formulations, method
+) -> None:
     fresh = []
     for name, outputs, initial in MOTIONS:
         for file in shelf.glob("*"):
             file.unlink()  # nothing went before
         fresh.append(motion(name, outputs, initial, method))
     again = [motion(*each, method) for each in MOTIONS]  # the second ball finds the first one's
-    no_levels()
+    no_formulations()
     kept = [motion(*each, method) for each in MOTIONS]
     for one, two, three in zip(fresh, again, kept, strict=True):
         assert np.array_equal(one, two) and np.array_equal(one, three)
@@ -92,6 +95,13 @@ print(run.state.tobytes().hex(), sorted(run.drift.items()), run.notes)
 """
 
 
+@cache
+def alone(*words: str) -> str:
+    """What a fresh process prints."""
+    done = subprocess.run([sys.executable, "-c", ALONE, *words], capture_output=True, check=True)
+    return done.stdout.decode().strip()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit(name) -> None:
@@ -101,9 +111,7 @@ def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit
         for initial, parameters, end in KINDS[name][:: 1 - 2 * turn]:
             run = prepared.run(initial, parameters, np.linspace(0, end, 120))
             here = f"{run.state.tobytes().hex()} {sorted(run.drift.items())} {run.notes}"
-            words = [sys.executable, "-c", ALONE, name, repr((initial, parameters, end, tol))]
-            alone = subprocess.run(words, capture_output=True, text=True, check=True)
-            assert alone.stdout.strip() == here, (initial, parameters)
+            assert alone(name, repr((initial, parameters, end, tol))) == here, (initial, parameters)
 
 
 def test_a_prepared_problem_runs_as_integrate_does() -> None:
@@ -143,7 +151,7 @@ def test_what_makes_no_sense_is_refused_where_it_is_said(asked, run, word) -> No
         prepared.run(**run)
 
 
-def test_events_and_outputs_have_models_of_their_own(shelf, no_levels) -> None:
+def test_events_and_outputs_have_models_of_their_own(shelf, no_formulations) -> None:
     system = vo.load("sleigh")
 
     def crossings() -> np.ndarray:
@@ -152,13 +160,13 @@ def test_events_and_outputs_have_models_of_their_own(shelf, no_levels) -> None:
 
     first = crossings()
     motion("sleigh", ("phi",), {})
-    no_levels()
+    no_formulations()
     assert np.array_equal(crossings(), first)
     with pytest.raises(AssertionError, match="derived"):
         motion("sleigh", ("y",), {})
 
 
-def test_a_damaged_model_is_named_once_and_replaced(shelf, no_levels) -> None:
+def test_a_damaged_model_is_named_once_and_replaced(shelf, no_formulations) -> None:
     fresh = motion("sleigh", ("phi",), {})
     for file in [*shelf.iterdir()]:  # what gives rates at the start, and the model
         content = bytearray(file.read_bytes())
@@ -167,26 +175,26 @@ def test_a_damaged_model_is_named_once_and_replaced(shelf, no_levels) -> None:
         with pytest.warns(UserWarning, match="is damaged; it is made anew") as told:
             assert np.array_equal(motion("sleigh", ("phi",), {}), fresh)
         assert len([w for w in told if "damaged" in str(w.message)]) == 1
-    no_levels()
+    no_formulations()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.array_equal(motion("sleigh", ("phi",), {}), fresh)
 
 
-def test_what_another_version_kept_is_ignored(shelf, no_levels, monkeypatch) -> None:
+def test_what_another_version_kept_is_ignored(shelf, no_formulations, monkeypatch) -> None:
     motion("sleigh", ("phi",), {})
     monkeypatch.setattr(model_cache, "engine_digest", lambda modules: "another engine")
-    no_levels()
+    no_formulations()
     with pytest.raises(AssertionError, match="derived"):
         motion("sleigh", ("phi",), {})
 
 
 def test_models_rest_on_their_room_and_on_what_it_imports(tmp_path, monkeypatch) -> None:
     texts = {
-        "motion/model/model_cache.py": "from voronec.below.one import a",
+        "motion/formulation/model_cache.py": "from voronec.below.one import a",
         "below/one.py": "def a():\n    from voronec.lowest import b",
         "lowest.py": "b = 1",
-        "aside/two.py": "from voronec.motion.model import model_cache",
+        "aside/two.py": "from voronec.motion.formulation import model_cache",
     }
 
     def digest(changed: str) -> str:
@@ -200,19 +208,19 @@ def test_models_rest_on_their_room_and_on_what_it_imports(tmp_path, monkeypatch)
     assert [digest(name) != digest("") for name in texts] == [True, True, True, False]
 
 
-def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_levels) -> None:
+def test_another_system_of_the_same_name_has_a_model_of_its_own(shelf, no_formulations) -> None:
     system = vo.load("sleigh")
     vo.integrate(system, times=3.0, outputs=("phi",))
-    no_levels()
+    no_formulations()
     with pytest.raises(AssertionError, match="derived"):
         vo.integrate(replace(system, lagrangian=2 * system.lagrangian), times=3.0, outputs=("phi",))
 
 
-def test_another_default_scene_has_a_model_of_its_own(shelf, no_levels) -> None:
+def test_another_default_scene_has_a_model_of_its_own(shelf, no_formulations) -> None:
     """Where constraints are solved, the point of the default scene says for what."""
     system = vo.load("sleigh")
     vo.integrate(system, times=3.0, outputs=("phi",), initial={"w": 1})
-    no_levels()
+    no_formulations()
     turned = replace(system, scenes={"default": vo.Scene(initial={"phi": 1, "w": 1})})
     with pytest.raises(AssertionError, match="derived"):
         vo.integrate(turned, times=3.0, outputs=("phi",), initial={"w": 1})

@@ -62,6 +62,16 @@ def test_modules_import_one_another_in_no_circle() -> None:
     assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [{"b", "c"}]
 
 
+def test_folders_of_motion_are_entered_by_their_fronts() -> None:
+    house = tool("measure_house")
+    graph = house.imports()
+    assert house.past_fronts("motion", graph) == []
+    graph["voronec.motion.solve"] |= {"voronec.motion.steppers", "voronec.motion.steppers.run"}
+    graph["voronec.motion.transitions.modes"] |= {"voronec.motion.transitions.splits"}
+    pair = ("voronec.motion.solve", "voronec.motion.steppers.run")
+    assert house.past_fronts("motion", graph) == [pair]
+
+
 def test_every_folder_of_code_is_packaged() -> None:
     setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     places = {name: ROOT / folder for name, folder in setup["package-dir"].items()}

@@ -71,9 +71,7 @@ def test_a_loop_that_is_driven() -> None:
 
 
 def test_it_is_said_that_a_loop_is_differentiated() -> None:
-    from voronec.equations.voronec_equations import equations_lines
-
-    lines = equations_lines(vo.derive(pendulum(x**2 + y**2 - 1)), 100)
+    lines = str(vo.derive(pendulum(x**2 + y**2 - 1))).splitlines()
     assert any("relation, differentiated" in line and "x^2 + y^2 - 1 = 0" in line for line in lines)
 
 

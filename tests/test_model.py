@@ -11,7 +11,7 @@ from model_agreement import agreed, kinds, names
 
 import voronec as vo
 from voronec.equations.motions import Motions
-from voronec.motion.model import Model, smallest, smallest_model
+from voronec.motion.formulation import Model, smallest, smallest_model
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.steppers import heyoka_stepper
 
@@ -76,7 +76,7 @@ def test_the_latitude_of_demchenkos_ball_needs_four_variables() -> None:
     assert found["v"] == "quadrature" and found["n"] == "integral"
     assert found["s"] == found["tau"] == "integrated"
     assert "n" not in names(model)
-    low = next(c for c in model.candidates if c.level == "coordinates")
+    low = next(c for c in model.candidates if c.formulation == "coordinates")
     assert low.states == 4
     narrower = vo.explain(vo.load("demchenko"), outputs=("s",))
     assert kinds(narrower).get("v", "dropped") == "dropped"
@@ -149,22 +149,24 @@ def test_what_is_wanted_twice_costs_nothing() -> None:
     assert names(one) == names(two) and kinds(one)["x"] == "dropped"
 
 
-def test_the_chosen_level_is_the_cheapest_that_was_weighed() -> None:
+def test_the_chosen_formulation_is_the_cheapest_that_was_weighed() -> None:
     model = vo.explain(vo.load("ball-on-sphere"), outputs=("u", "v"))
     (chosen,) = [c for c in model.candidates if c.chosen]
     assert len(model.candidates) > 2
-    assert chosen.level == model.level
+    assert chosen.formulation == model.formulation
     assert chosen.weight == min(c.weight for c in model.candidates)
 
 
 # -- what must not be lost -------------------------------------------------------------------------
 
 
-def test_levels_belong_to_the_equations_and_models_to_the_start(monkeypatch) -> None:
+def test_formulations_belong_to_the_equations_and_models_to_the_start(monkeypatch) -> None:
     made = []
-    plain = smallest.coordinates_level
-    monkeypatch.setattr(smallest, "coordinates_level", lambda *a: made.append(a) or plain(*a))
-    motions = Motions.of(vo.derive(replace(vo.load("sleigh"))))  # nobody made its levels before
+    plain = smallest.coordinates_formulation
+    monkeypatch.setattr(smallest, "coordinates_formulation", lambda *a: made.append(a) or plain(*a))
+    motions = Motions.of(
+        vo.derive(replace(vo.load("sleigh")))
+    )  # nobody made its formulations before
 
     def of(v: float, *outputs: str) -> Model:
         own = motions.equations.raw.form
@@ -192,7 +194,7 @@ def test_velocities_that_the_mass_couples_stay_together() -> None:
 
 def test_momenta_whose_mass_depends_on_the_time_change_with_it() -> None:
     model = agreed(vo.load("sleigh-in-time"), ("v", "w"))
-    assert any(c.level == "momenta" for c in model.candidates)
+    assert any(c.formulation == "momenta" for c in model.candidates)
 
 
 def test_a_dropped_coordinate_returns_where_it_is_wanted() -> None:
@@ -217,7 +219,7 @@ def test_a_gyroscope_stays_in_the_rates_of_momenta() -> None:
     system = vo.load("gyroscopic-ball-on-sphere")
     scene = next(iter(system.scenes))
     model = agreed(system, ("omega1", "omega2"), scene=scene)
-    assert any("momenta" in c.level for c in model.candidates)
+    assert any("momenta" in c.formulation for c in model.candidates)
 
 
 QUADRANTS = [
@@ -305,7 +307,7 @@ def test_rates_keep_the_relations_between_invariants_identically(name: str) -> N
     model = smallest_model(Motions(vo.derive(system)), wanted, {})
     pairs = zip(model.form.coordinates, model.form.rates, strict=True)
     rates = {sp.sympify(x): sp.sympify(rate) for x, rate in pairs}
-    assert model.level == "invariants" and model.cut.relations
+    assert model.formulation == "invariants" and model.cut.relations
     for relation in map(sp.sympify, model.cut.relations):
         # off the relation too: no relation is used here
         change = sum(relation.diff(x) * rate for x, rate in rates.items())

@@ -10,7 +10,7 @@ import sympy as sp
 from model_agreement import agreed, kinds, names
 
 import voronec as vo
-from voronec.motion.model import smallest
+from voronec.motion.formulation import smallest
 
 pytestmark = pytest.mark.slow
 
@@ -24,10 +24,10 @@ def robot() -> vo.VoronecEquations:
 
 def test_a_robot_needs_the_differences_of_its_headings(robot: vo.VoronecEquations) -> None:
     model = agreed(robot, ("v", "way"))
-    assert model.level == RELATIVE
+    assert model.formulation == RELATIVE
     assert names(model) == {"theta0 - theta1", "theta1 - theta2", "v"}
     assert kinds(model)["theta1"] == "replaced" and kinds(model)["theta0"] == "dropped"
-    plain = next(c for c in model.candidates if c.level == "coordinates")
+    plain = next(c for c in model.candidates if c.formulation == "coordinates")
     chosen = next(c for c in model.candidates if c.chosen)
     assert chosen.weight < plain.weight and chosen.states < plain.states
 
@@ -37,7 +37,7 @@ def test_the_headings_themselves_come_back(
     robot: vo.VoronecEquations, outputs: tuple[str, ...]
 ) -> None:
     model = agreed(robot, outputs)
-    assert model.level == RELATIVE and "theta0" in names(model)
+    assert model.formulation == RELATIVE and "theta0" in names(model)
 
 
 def test_numbers_are_those_of_the_equations_in_headings(
@@ -46,17 +46,17 @@ def test_numbers_are_those_of_the_equations_in_headings(
     """The headings of both, over several turns, and forwards as backwards."""
     times, shown = np.linspace(0, 30, 61), ("theta0", "theta1", "theta2", "v", "x")
     found = vo.integrate(robot, times=times, outputs=shown)
-    assert found.cost.level == RELATIVE and abs(found["theta2"][-1]) > 10
-    monkeypatch.setattr(smallest, "relative_level", lambda _: None)
+    assert found.cost.formulation == RELATIVE and abs(found["theta2"][-1]) > 10
+    monkeypatch.setattr(smallest, "relative_formulation", lambda _: None)
     plain = vo.integrate(replace(robot), times=times, outputs=shown)
-    assert plain.cost.level == "coordinates"
+    assert plain.cost.formulation == "coordinates"
     for name in shown:
         assert found[name] == pytest.approx(plain[name], abs=1e-10)
 
 
 def test_an_event_and_a_section_see_the_headings(robot: vo.VoronecEquations) -> None:
     motion = vo.integrate(robot, times=[0, 20], outputs=("v",), events=("theta2",))
-    assert motion.cost.level == RELATIVE
+    assert motion.cost.formulation == RELATIVE
     whole = vo.integrate(robot, times=[0, 20], events=("theta2",), method="scipy")
     assert len(motion.events["theta2"].t)
     assert motion.events["theta2"].t == pytest.approx(whole.events["theta2"].t, abs=1e-9)
@@ -79,12 +79,12 @@ def test_rotors_that_pull_at_one_another() -> None:
     start = {"a": 1, "b": 0.3, "adot": 0.5}
     system = rotors(pull, sp.cos(a - b) / 2)
     model = agreed(system, ("adot",), initial=start)
-    assert model.level == RELATIVE and len(model.states) == 5
+    assert model.formulation == RELATIVE and len(model.states) == 5
 
 
 def test_angles_that_turn_against_one_another_are_added() -> None:
     model = agreed(rotors(sp.cos(a + b - c)), ("adot",), initial={"a": 1, "adot": 0.5})
-    assert any(level.level == RELATIVE for level in model.candidates)
+    assert any(each.formulation == RELATIVE for each in model.candidates)
 
 
 @pytest.mark.parametrize(

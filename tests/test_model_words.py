@@ -42,9 +42,9 @@ def test_every_coordinate_and_velocity_has_a_role() -> None:
 
 def test_data_hold_what_the_text_says() -> None:
     data = vo.explain(vo.load("sleigh"), outputs=("phi",)).as_dict()
-    assert data["states"] == ["phi", "v", "w"] and data["level"] == "coordinates"
+    assert data["states"] == ["phi", "v", "w"] and data["formulation"] == "coordinates"
     assert {"name": "x", "kind": "dropped", "why": "no output depends on it"} in data["variables"]
-    assert ["w", "phi"] in data["edges"] and data["levels"][0]["chosen"]
+    assert ["w", "phi"] in data["edges"] and data["formulations"][0]["chosen"]
 
 
 def test_the_picture_has_the_cycles_together_and_the_dropped_apart() -> None:

@@ -39,7 +39,7 @@ BALL = vo.System(
 LEAVE = vo.Event("reaction 1", stop=True)
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "python", "c", "numba"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "c"])
 def test_a_bead_leaves_the_sphere_at_two_thirds_of_its_height(method: str) -> None:
     run = vo.integrate(
         BEAD, times=[0, 20], initial=TOP, parameters=GIVEN, events=LEAVE, method=method

@@ -122,7 +122,7 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
     pytest.importorskip("heyoka")
     monkeypatch.setattr(methods, "HEAVY", 0)  # so that DOP853 is chosen over so short a span
 
-    make = methods.METHODS["python"].make
+    make = methods.METHODS["scipy"].make
     assert make is not None
 
     def broken(problem: Any) -> Any:
@@ -133,8 +133,8 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
 
         return run
 
-    python = dataclasses.replace(methods.METHODS["python"], make=broken)
-    monkeypatch.setitem(methods.METHODS, "python", python)
+    fails = dataclasses.replace(methods.METHODS["scipy"], make=broken)
+    monkeypatch.setitem(methods.METHODS, "scipy", fails)
     disc = vo.derive(vo.load("falling-disc"))
     start = {"theta": 1.2, "p": 0.3, "q": 1e-6, "s": 1e-6}
     wanted: dict[str, Any] = {
@@ -143,9 +143,9 @@ def test_auto_goes_on_with_another_method_where_its_choice_fails(
         "outputs": ("theta", "p"),
     }
     with pytest.raises(vo.IntegrationError):
-        vo.integrate(disc, method="python", **wanted)
+        vo.integrate(disc, method="scipy", **wanted)
     found = vo.integrate(disc, **wanted)
-    assert found.cost.method == "heyoka" and "python" in found.cost.reason
+    assert found.cost.method == "heyoka" and "scipy" in found.cost.reason
     exact = vo.integrate(disc, method="flint", tol=1e-25, **wanted)
     for name in ("theta", "p"):
         assert np.abs(found[name] - exact[name].astype(float)).max() < 1e-6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from functools import cache
 from random import Random
 
 import mpmath as mp
@@ -60,6 +61,7 @@ CASES = {
 ROOTS = [e for e in CASES if e.atoms(sp.Pow) and CASES[e] is HUGE]
 
 
+@cache
 def system(force) -> System:
     rate = velocity(y)
     return System(

@@ -3,9 +3,11 @@
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -241,6 +243,33 @@ def test_a_full_disk_and_a_second_writer_get_one_line(small, tmp_path):
 
     vo.sweep(SLEIGH, **SMALL, out=tmp_path / "a.zarr", progress=second)
     assert contents(tmp_path / "a.zarr") == contents(small.path)
+
+
+@pytest.mark.skipif(not hasattr(os, "seteuid"), reason="there are no users")
+def test_a_folder_that_cannot_be_written_or_looked_into_gets_one_line(small):
+    """What is finished stays whole; root, whom nothing forbids, tries as another user."""
+    user = os.geteuid()
+    with tempfile.TemporaryDirectory() as made:
+        shut, dark = Path(made, "shut"), Path(made, "dark")
+        shutil.copytree(small.path, shut / "a.zarr")
+        (shut / "a.zarr" / "log" / "000002.json").unlink()
+        kept = contents(shut / "a.zarr")
+        dark.mkdir()
+        for folder, mode in ((made, 0o755), (dark, 0), *((p, 0o555) for p in shut.rglob("*"))):
+            os.chmod(folder, mode)
+        shut.chmod(0o555)
+        try:
+            if user == 0:
+                os.seteuid(65534)
+            for out in (shut / "new.zarr", shut / "a.zarr", dark / "a.zarr"):
+                with pytest.raises(vo.DefinitionError, match="cannot be written: Perm") as caught:
+                    vo.sweep(SLEIGH, **SMALL, out=out)
+                assert "\n" not in str(caught.value)
+        finally:
+            os.seteuid(user)
+            for folder in (shut, dark, *shut.rglob("*")):
+                folder.chmod(0o755)
+        assert contents(shut / "a.zarr") == kept and len(kept) > 1
 
 
 @pytest.mark.parametrize(

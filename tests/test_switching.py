@@ -1,6 +1,7 @@
 """Right sides that are not smooth: friction, steps, switches, motions held on switching
 surfaces."""
 
+from functools import cache
 from importlib.util import find_spec
 from shutil import which
 
@@ -10,10 +11,9 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
+from without_claims import bare
 
 import voronec as vo
-from voronec.algebra.sympy_bridge import SymPyBridge
-from voronec.declaration.system import bare
 from voronec.equations.program import Program
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
 
@@ -22,11 +22,13 @@ pytestmark = pytest.mark.slow
 x, y, t = sp.Symbol("x"), sp.Symbol("y"), vo.time
 Dx, Dy = vo.velocity(x), vo.velocity(y)
 METHODS = ("heyoka", "scipy", "lsoda", "flint", "auto")
-COMPILED = ("python", *(["numba"] if find_spec("numba") else []), *(["c"] if which("cc") else []))
+# The method numba compiles the steps that c has: it is tested in test_compiled_methods.
+COMPILED = ("c",) if which("cc") else ()
 PRECISION = {"flint": 1e-30}
 ERROR = {"flint": 1e-26, "lsoda": 1e-9}
 
 
+@cache
 def mass_point(force=0, potential=0):
     return vo.derive(
         vo.System(
@@ -218,7 +220,7 @@ def test_friction_in_the_plane_ends_where_the_direction_of_slip_does(method):
     assert abs(line["x"][-1] - 0.5) < 1e-12 and line["xdot"][-1] == 0
 
 
-@pytest.mark.parametrize("method", ["auto", "scipy", "flint", "python"])
+@pytest.mark.parametrize("method", ["auto", "scipy", "flint"])
 def test_friction_in_the_plane_turns_a_motion_that_nearly_comes_to_rest(method):
     """Under a push of 1 and friction of 1/2, s sin(a)/sqrt(tan(a/2)) = C stays for the speed s at
     an angle a to the push: with p = tan(a/2), dt = -C p^(-3/2) (1 + p^2) dp/2."""
@@ -244,7 +246,7 @@ def test_friction_in_the_plane_turns_a_motion_that_nearly_comes_to_rest(method):
         assert abs(run["ydot"][-1] - ends[1]) < error(method)
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint", "python"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
 def test_a_speed_that_only_multiplies_ends_nothing(method):
     """Drag -v - 3 v |v|/10 brings a body to rest for ever; thrown up it turns, or nearly rests."""
     speed = sp.sqrt(Dx**2 + Dy**2)
@@ -377,9 +379,9 @@ def test_a_body_rests_where_two_springs_meet_while_another_moves(method):
         vo.integrate(steep, times=[0, 1], **start | {"initial": {Dx: 1}})
 
 
-@pytest.mark.parametrize("method", ["scipy", "python", "flint"])
+@pytest.mark.parametrize("method", ["scipy", "flint"])
 def test_friction_holds_a_body_where_a_root_of_its_place_has_no_slope(method):
-    """At x = 0 under -sqrt|x|: python looked for a step for ever, others lost the state."""
+    """At x = 0 under -sqrt|x|: one looked for a step for ever, others lost the state."""
     root = -sp.sqrt(sp.Abs(x)) * sp.sign(x)
     held = motion(mass_point(root - sp.sign(Dx) / 2), (0, 0), 3, method)
     assert held["x"][-1] == 0 == held["xdot"][-1]
@@ -518,24 +520,6 @@ def test_what_users_call_their_events_is_theirs(name):
                     stop=True), events[1]))  # fmt: skip
     assert halted.stopped == name and not len(halted.events["x - 2/5"])
     assert abs(halted.t[-1] - 1 + np.sqrt(0.4)) < 1e-12
-
-
-CASES = [
-    sp.Heaviside(x), sp.Heaviside(x, 1), sp.Max(x, y, 1), sp.Min(x, y), sp.floor(x), sp.frac(x),
-    sp.ceiling(x), sp.Mod(x, sp.Rational(3, 2)), sp.Piecewise((x**2, x < 1), (y, x > 1), (7, True)),
-    sp.Piecewise((1, (x > 0) & (y <= 1) | sp.Eq(x, -1)), (x, ~(x < 0)), (y, True)),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("expr", CASES, ids=str)
-def test_functions_in_pieces_keep_their_values_on_the_switches_too(expr):
-    bridge = SymPyBridge()
-    back = bridge.outward(bridge.inward(expr))
-    places = [sp.Rational(n, 2) for n in range(-4, 5)]
-    for a in places:
-        for b in (0, 1, sp.Rational(5, 2)):
-            at = {x: a, y: b}
-            assert back.subs(at).doit() == expr.subs(at).doit()
 
 
 REFEREED = [
@@ -711,7 +695,7 @@ def test_a_motion_may_end_in_any_precision_just_where_it_switches():
     assert float(back["xdot"][-1]) == pytest.approx(0.5, abs=1e-9)
 
 
-@pytest.mark.parametrize("method", [*METHODS, "python"])
+@pytest.mark.parametrize("method", METHODS)
 def test_an_integral_that_jumps_with_friction_is_told_of(method):
     """Of each half of a swing it is one; at both ends, where nothing moves, it has other values."""
     swing = vo.System(
@@ -911,7 +895,7 @@ def test_a_switch_on_which_the_equations_are_0_over_0_is_passed_in_many_digits()
         assert digits[name].astype(float) == pytest.approx(doubles[name], abs=1e-12)
 
 
-@pytest.mark.parametrize("method", [*METHODS, "python"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("corner", [0, -3])
 def test_a_load_that_sets_in_leads_away_from_a_corner_at_rest(method, corner):
     """x'' = -k x + a s from rest, s = t - 1, with k > 0 on one side, 0 or 1 on the other: beside
@@ -940,7 +924,7 @@ def test_a_table_that_sets_in_leads_away_from_a_corner_at_rest(method):
     assert abs(float(found["x"][-1]) - float(1 - mp.sin(2) / 2) / 4) < max(error(method), 1e-15)
 
 
-@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda", "python"])
+@pytest.mark.parametrize("method", ["heyoka", "scipy", "lsoda"])
 def test_an_integral_that_jumps_is_told_of_where_velocities_are_split(method):
     """A skate turns through a right angle, where ydot = xdot tan(theta) ends, until friction stops
     it after 8 units of time: the integral is 1 before, and 0 from there on."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -97,6 +98,7 @@ LEVERS = {
 }
 
 
+@cache
 def turning_blade(force: sp.Expr) -> vo.System:
     """A blade that turns evenly, and is held by friction along x: its lever is cos(phi)."""
     along = velocity(x) * sp.cos(phi) + velocity(y) * sp.sin(phi)

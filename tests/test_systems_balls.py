@@ -173,26 +173,6 @@ def test_demchenkos_integrals_are_those_of_the_symmetric_ball_under_zhukovskys_c
     assert prove_equal(theirs["level"], -level).proved
 
 
-@pytest.mark.parametrize(
-    "label",
-    [
-        "borisov-fedorov-ball -> ball-on-sphere",
-        "bobylev-ball -> chaplygin-ball",
-        "demchenko -> homogeneous-ball-on-sphere",
-        "ball-on-sphere -> chaplygin-ball",
-    ],
-)
-def test_a_relation_of_balls_is_proved_and_carries_the_targets_claims(label):
-    checked = vo.check_relation(RELATIONS[label])
-    assert checked.verdict.proved, checked.verdict
-    assert not [(c.name, c.verdict) for c in checked.pulled if not c.verdict.proved]
-    target = vo.load(RELATIONS[label].target)
-    names = {c.name for c in checked.pulled if c.kind == "integral"}
-    assert names == {*target.integrals}
-    kind = "limit" if RELATIONS[label].limit else "specialisation"
-    assert kind in checked.kinds
-
-
 def test_the_wrong_radius_or_the_wrong_shape_is_no_relation():
     bobylev = RELATIONS["bobylev-ball -> gyroscopic-ball-on-plane"]
     shape = replace(bobylev, parameters={**bobylev.parameters, "I2": C})

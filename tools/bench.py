@@ -12,6 +12,7 @@ mechanics    models of SymPy's mechanics against SymPy
 prepared     runs of prepared problems beside equations by hand
 costs        what steps of heyoka and DOP853 cost: the constants by which `auto` chooses
 readable     the equations that are printed against those of books, and what the catalogue prints
+orbits       families of periodic orbits; Lyapunov exponents beside C by hand and published values
 sweep        sweeps beside heyoka's lanes by hand, their memory, kills on a cluster of Dask
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
@@ -32,6 +33,7 @@ KINDS = {
     "costs": "figures.method_costs",
     "readable": "figures.readable",
     "doubts": "figures.doubts",
+    "orbits": "figures.orbits",
     "sweep": "figures.sweeps",
 }
 """Kind -> the module that does it."""

@@ -1,12 +1,14 @@
 """The house in figures: rooms, circles, lines, lone modules, files on the way, CPU of commands and
 of imports of systems.
 
-    python tools/measure_house.py [--json] [--arrows] [--lone] [--files] [--quick]
+    python tools/measure_house.py [--json] [--arrows] [--lone] [--files] [--quick] [--room ROOM]
 
 Lines are those of code: docstrings, comments, blank lines and imports aside.  A circle is a set of
 modules that import one another, names that only annotate and imports inside functions included.  A
 file is on the way of a job where one of its functions runs: once the job has run before, so that
-what is kept of systems and programs is there, and the first time, with all that makes it.
+what is kept of systems and programs is there, and the first time, with all that makes it.  Of one
+room: its lines without folders of pictures, its circles, and which files reach past the front of a
+folder in it, its ``__init__``, from outside of that folder.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ PACKAGE = ROOT / "voronec"
 ASIDE = {"__main__.py", "py.typed", "__pycache__"}
 BEST_OF = 5
 IMPORT_RUNS, LARGEST = 2, 8
+PICTURES = {"pictures", "viewer"}
+"""Folders of a room that show results; who shows them takes what they draw with."""
 LISTS = {"arrows between rooms": "arrows", "imported by one": "lone"}
 """What is counted, and listed where its option asks for it."""
 COMMANDS = {"list": ["list"], "check sleigh": ["check", "sleigh"]}
@@ -46,8 +50,11 @@ def main() -> int:
     parser.add_argument("--lone", action="store_true", help="list modules with a single importer")
     parser.add_argument("--files", action="store_true", help="name the files on the way")
     parser.add_argument("--quick", action="store_true", help="run nothing, read the tree alone")
+    parser.add_argument("--room", help="the figures of one room alone")
     chosen = parser.parse_args()
     graph = imports()
+    if chosen.room:
+        return _print_room(chosen.room, graph)
     found: dict[str, Any] = {
         "entries of voronec/": len([p for p in PACKAGE.iterdir() if p.name not in ASIDE]),
         "layers of the contract": _layers(),
@@ -80,6 +87,28 @@ def main() -> int:
     for job, files in found.get("files on the way", {}).items() if chosen.files else ():
         print(f"  {job}: " + " ".join(files))
     return 0
+
+
+def _print_room(room: str, graph: dict[str, set[str]]) -> int:
+    folder, whole = PACKAGE / room, f"voronec.{room}"
+    files = [p for p in folder.rglob("*.py") if not PICTURES & {*p.relative_to(folder).parts}]
+    print(f"code of {room}/ without {' and '.join(sorted(PICTURES))}: {sum(map(lines, files))}")
+    inside = [c for c in circles(graph) if any(m.startswith(whole) for m in c)]
+    print(f"circles: {len(inside)}")
+    found = past_fronts(room, graph)
+    print(f"imports past the front of a folder: {len(found)}")
+    for a, b in found:
+        print(f"  {a} -> {b}")
+    return 0
+
+
+def past_fronts(room: str, graph: dict[str, set[str]]) -> list[tuple[str, str]]:
+    """Modules that import from inside of a folder of a room and lie outside of it, with what they
+    import; folders of pictures aside."""
+    fronts = [_name(p) for p in (PACKAGE / room).rglob("__init__.py")]
+    fronts = [f for f in fronts if f != f"voronec.{room}" and f.rpartition(".")[2] not in PICTURES]
+    pairs = ((a, b, f) for a in graph for b in graph[a] for f in fronts if b.startswith(f + "."))
+    return sorted((a, b) for a, b, f in pairs if not f"{a}.".startswith(f + "."))
 
 
 def _count(value: Any) -> Any:

@@ -50,6 +50,18 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
+    from voronec.dynamics.charts import StabilityChart as StabilityChart
+    from voronec.dynamics.exponents import Exponents as Exponents
+    from voronec.dynamics.exponents import exponents as exponents
+    from voronec.dynamics.families import SteadyFamily as SteadyFamily
+    from voronec.dynamics.periodic import OrbitFamily as OrbitFamily
+    from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
+    from voronec.dynamics.periodic import periodic as periodic
+    from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
+    from voronec.dynamics.stability import stability as stability
+    from voronec.dynamics.steady import SteadyMotion as SteadyMotion
+    from voronec.dynamics.steady import SteadyMotions as SteadyMotions
+    from voronec.dynamics.steady import steady as steady
     from voronec.equations.linearisation import Linearisation as Linearisation
     from voronec.equations.linearisation import linearise as linearise
     from voronec.equations.reduction import Reduction as Reduction
@@ -66,6 +78,7 @@ if TYPE_CHECKING:
     from voronec.motion import Ensemble as Ensemble
     from voronec.motion import Event as Event
     from voronec.motion import PreparedProblem as PreparedProblem
+    from voronec.motion import Sampled as Sampled
     from voronec.motion import Section as Section
     from voronec.motion import Table as Table
     from voronec.motion import Trajectory as Trajectory
@@ -75,7 +88,7 @@ if TYPE_CHECKING:
     from voronec.motion import section as section
     from voronec.motion.closed_form import closed_form as closed_form
     from voronec.motion.explanation import explain as explain
-    from voronec.motion.model import Model as Model
+    from voronec.motion.formulation import Model as Model
     from voronec.motion.storage import open as open
     from voronec.proof.check import check_catalogue as check_catalogue
     from voronec.proof.check import check_relation as check_relation
@@ -118,6 +131,13 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
+        "dynamics.charts": "StabilityChart",
+        "dynamics.exponents": "Exponents exponents",
+        "dynamics.families": "SteadyFamily",
+        "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
+        "dynamics.rotation": "rotation_numbers",
+        "dynamics.stability": "stability",
+        "dynamics.steady": "steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",
         "equations.referee": "multiplier_acceleration reaction_forces",
@@ -125,10 +145,10 @@ _HOME = {
         "errors": "DefinitionError EngineLimit IntegrationError VoronecError",
         "kinematics": "kinematics",
         "motion": "Crossings Ensemble ensemble Event integrate prepare PreparedProblem Section "
-        "section Table Trajectory",
+        "Sampled section Table Trajectory",
         "motion.closed_form": "closed_form",
         "motion.explanation": "explain",
-        "motion.model": "Model",
+        "motion.formulation": "Model",
         "motion.storage": "open",
         "proof.check": "check_catalogue check_relation graph",
         "proof.claims": "check_claims Claim",

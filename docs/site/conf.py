@@ -39,6 +39,8 @@ nb_execution_timeout = 120
 nb_merge_streams = True
 
 autodoc_typehints = "signature"
+# Every public name has its heading: entries for members, too, would be copied into each page.
+toc_object_entries = False
 autodoc_member_order = "bysource"
 python_use_unqualified_type_names = True
 viewcode_line_numbers = True

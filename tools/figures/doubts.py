@@ -33,7 +33,7 @@ import voronec as vo
 from voronec.algebra.symbols import plain_name
 from voronec.motion import batches, methods
 from voronec.motion.solve import Arrival, Phase, Solver
-from voronec.motion.steppers.run import restart
+from voronec.motion.steppers import restart
 
 HEAVY = ("rn", "bicycle", "torus", "rolling-body", "trailer", "in-time")
 """Parts of names of systems whose equations take long to derive."""

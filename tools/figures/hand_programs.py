@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.motion.steppers.heyoka_stepper import heyoka
+from voronec.motion.steppers import heyoka
 
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")

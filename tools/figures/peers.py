@@ -23,7 +23,7 @@ from figures.mujoco_ball import MUJOCO, SETTINGS, STEPS, ball_run
 from figures.numba_dop853 import compiled_dop853
 from voronec.accuracy.bench import Contender, NotHere, Outcome, ReferenceProblem, time_fastest
 from voronec.accuracy.bench.contender import Run
-from voronec.accuracy.problem import ProblemLevel, level, lowest
+from voronec.accuracy.problem import ProblemFormulation, formulation, lowest
 from voronec.algebra.text import as_expression
 from voronec.equations.program import hoist, scalar_source
 from voronec.errors import VoronecError
@@ -50,7 +50,7 @@ class Formulation:
     ``taylor`` are the equations of heyoka.
     """
 
-    at: ProblemLevel
+    at: ProblemFormulation
     start: Callable[[Mapping[str, float]], np.ndarray]
     back: Callable[[np.ndarray], dict[str, np.ndarray]]
     right: Callable[[], RightSide]
@@ -59,7 +59,7 @@ class Formulation:
 
     @property
     def values(self) -> dict[str, float]:
-        """Coordinates, velocities and the variables of the level at the start, by name."""
+        """Coordinates, velocities and the variables of the formulation at the start, by name."""
         named = dict(zip(map(str, self.at.field.variables), self.at.state.tolist(), strict=True))
         return {**self.at.problem.initial, **named}
 
@@ -115,9 +115,10 @@ def _hand_source(program: HandProgram) -> Source:
 
 
 def reduction(problem: ReferenceProblem, name: str = "", kind: str = "written out") -> Formulation:
-    """Our equations on a level, the lowest there is unless told, with one of ``RIGHT_SIDES``."""
+    """Our equations in a formulation, the lowest there is unless told, with one of
+    ``RIGHT_SIDES``."""
     try:
-        at = level(problem, name) if name else lowest(problem)
+        at = formulation(problem, name) if name else lowest(problem)
     except VoronecError as refusal:
         raise NotHere(str(refusal)) from None
     names = [str(s) for s in at.field.variables]
@@ -130,8 +131,8 @@ def reduction(problem: ReferenceProblem, name: str = "", kind: str = "written ou
     )  # fmt: skip
 
 
-def sympy_right_side(at: ProblemLevel, kind: str) -> RightSide:
-    """What ``lambdify`` makes of the equations on a level.
+def sympy_right_side(at: ProblemFormulation, kind: str) -> RightSide:
+    """What ``lambdify`` makes of the equations in a formulation.
 
     ``solved``: rates, mass and force by one call, accelerations by ``numpy.linalg.solve``; so is
     what is too long to write out.  ``written out``: all derivatives by one call on floats.
@@ -146,7 +147,7 @@ def sympy_right_side(at: ProblemLevel, kind: str) -> RightSide:
     return lambda t, y: function(t, *(y if plain else y.tolist()), *constants)
 
 
-def _solve_by_numpy(at: ProblemLevel) -> RightSide:
+def _solve_by_numpy(at: ProblemFormulation) -> RightSide:
     n, k, constants = len(at.field.velocities), len(at.field.rates), at.constants
     function = sp.lambdify(*_plain_symbols(at, _rates_mass_force(at)), "numpy", cse=True)
 
@@ -158,18 +159,18 @@ def _solve_by_numpy(at: ProblemLevel) -> RightSide:
     return right
 
 
-def _rates_mass_force(at: ProblemLevel) -> list[Any]:
+def _rates_mass_force(at: ProblemFormulation) -> list[Any]:
     return [*at.field.rates, *(e for row in at.field.mass for e in row), *at.field.force]
 
 
-def _plain_symbols(at: ProblemLevel, exprs: Any) -> tuple[list[sp.Symbol], list[sp.Expr]]:
+def _plain_symbols(at: ProblemFormulation, exprs: Any) -> tuple[list[sp.Symbol], list[sp.Expr]]:
     """Time, variables and parameters as plain symbols, and expressions in them."""
     symbols = [at.field.time, *at.field.variables, *at.field.parameters]
     names = {as_expression(s): sp.Symbol(f"z{i}") for i, s in enumerate(symbols)}
     return [*names.values()], [as_expression(e).xreplace(names) for e in exprs]
 
 
-def sympy_source(at: ProblemLevel) -> Source:
+def sympy_source(at: ProblemFormulation) -> Source:
     """As a good hand makes it: SymPy's ``cse`` of rates, mass matrix and force, printed as Python,
     and an elimination written out for the accelerations."""
     symbols, exprs = _plain_symbols(at, _rates_mass_force(at))
@@ -203,7 +204,7 @@ def _elimination_lines(k: int, n: int) -> list[str]:
     return rows
 
 
-def _program_source(at: ProblemLevel) -> Source:
+def _program_source(at: ProblemFormulation) -> Source:
     """Our straight-line program, what depends on parameters alone computed before."""
     raised = hoist(at.program)
     return _function(scalar_source(raised.program)), np.array(raised.values([*at.constants]))

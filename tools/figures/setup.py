@@ -41,10 +41,9 @@ def _system(name: str) -> Any:
 def equations(name: str) -> dict[str, Any]:
     """Seconds to the first equations on the screen."""
     import voronec as vo
-    from voronec.equations.voronec_equations import equations_lines
+    from voronec.equations.voronec_equations import derivation_parts
 
-    eqs = vo.derive(_system(name))
-    lines = equations_lines(eqs)
+    lines = next(derivation_parts(vo.derive(_system(name))))
     return {"seconds": _cpu_seconds(), "shown": len("\n".join(lines))}
 
 
@@ -58,7 +57,7 @@ def run(name: str) -> dict[str, Any]:
     motion = vo.integrate(system, times=grid)
     return {
         "seconds": _cpu_seconds() - begun - motion.cost.run,
-        "by": f"{motion.cost.method}, {motion.cost.level}",
+        "by": f"{motion.cost.method}, {motion.cost.formulation}",
     }
 
 

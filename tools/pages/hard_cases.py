@@ -24,7 +24,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "hard-cases.md"
 def store_references(names: list[str]) -> None:
     """Compute the references of the named cases, or of all, and store each when it is there."""
     for case in named_cases(names, CASES) if names else CASES:
-        if not case.level:
+        if not case.formulation:
             continue
         began = perf_counter()
         found = compute(case)

@@ -156,15 +156,15 @@ def _list_others(index: Path, pages: str, last: str) -> None:
 
 
 def _add_sketches(folder: Path) -> None:
-    """Draw the sketch of each system, and show it below the first lines of its page."""
+    """Draw the sketch of each system, and show it above its equations."""
     for page in folder.glob("*.md"):
         sketch = None if page.stem == "README" else voronec.load(page.stem).sketch
         if sketch is None:
             continue
         page.with_suffix(".svg").write_text(sketch.svg(), "utf-8")
         text = page.read_text("utf-8")
-        shown = f"![The mechanism, {sketch.view}]({page.stem}.svg)\n\n## Definition"
-        page.write_text(text.replace("## Definition", shown, 1), "utf-8")
+        shown = f"![The mechanism, {sketch.view}]({page.stem}.svg)\n\n## Equations of motion"
+        page.write_text(text.replace("## Equations of motion", shown, 1), "utf-8")
 
 
 class _Links(HTMLParser):

@@ -23,14 +23,14 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.accuracy.problem import DIGITS, ProblemLevel
+from voronec.accuracy.problem import DIGITS, ProblemFormulation
 from voronec.accuracy.solution import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import EngineLimit, IntegrationError
-from voronec.motion.steppers.heyoka_stepper import heyoka
+from voronec.motion.steppers import heyoka
 
 
-def sizes(problem: ProblemLevel, states: np.ndarray) -> np.ndarray:
+def sizes(problem: ProblemFormulation, states: np.ndarray) -> np.ndarray:
     """X_i of the kept states (k, n): see the module; shape (n,)."""
     largest = np.abs(states.astype(float)).max(axis=0)
     coordinates = len(problem.program.coordinates)
@@ -43,7 +43,7 @@ def sizes(problem: ProblemLevel, states: np.ndarray) -> np.ndarray:
     return result
 
 
-def condition_numbers(problem: ProblemLevel, passage: PreciseMotion) -> np.ndarray:
+def condition_numbers(problem: ProblemFormulation, passage: PreciseMotion) -> np.ndarray:
     """kappa of every output at every instant of a passage; shape (k, m)."""
     scale = output_sizes(passage.outputs)
     size = sizes(problem, passage.states)
@@ -178,7 +178,9 @@ class _Arithmetic:
         return {"fp_type": self.kind} | ({} if self.bits is None else {"prec": self.bits})
 
 
-def precise_integrator(problem: ProblemLevel, tol: float, varied: bool = True) -> PreciseIntegrator:
+def precise_integrator(
+    problem: ProblemFormulation, tol: float, varied: bool = True
+) -> PreciseIntegrator:
     """The problem ready to run at a tolerance, in an arithmetic that holds it.
 
     Without ``varied`` there are no propagators, and a run is many times faster.  Raises
@@ -268,7 +270,11 @@ def _indices(hy: Any, expr: Any) -> list[int]:
 
 
 def _output_function(
-    hy: Any, numbers: _Arithmetic, problem: ProblemLevel, variables: list[Any], values: np.ndarray
+    hy: Any,
+    numbers: _Arithmetic,
+    problem: ProblemFormulation,
+    variables: list[Any],
+    values: np.ndarray,
 ) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Outputs, their slopes by the kept states, and by the parameters, at a state."""
     outputs = list(taylor_extras(problem.program, number=numbers.number).values())

@@ -1,4 +1,4 @@
-"""A motion that methods are compared on, and its equations as a program on one level."""
+"""A motion that methods are compared on, and its equations as a program in one formulation."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class ReferenceProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class ProblemLevel:
+class ProblemFormulation:
     """The equations of a problem on ``coordinates`` or on ``invariants``.
 
     ``program`` computes the derivative of the state (n,), and as extras the outputs, then the
@@ -100,7 +100,7 @@ class ProblemLevel:
 
     @property
     def field(self) -> VectorField:
-        """The vector field of this level."""
+        """The vector field of this formulation."""
         return Motions.of(self.problem.equations).at(self.name)
 
     @property
@@ -175,8 +175,10 @@ def _reach(block: Block, place: Mapping[Any, int]) -> dict[Any, set[int]]:
     return reach
 
 
-def level(problem: ReferenceProblem, name: str, form: FirstOrderForm | None = None) -> ProblemLevel:
-    """The problem on a level; ``EngineLimit`` where it or an output has no meaning there.
+def formulation(
+    problem: ReferenceProblem, name: str, form: FirstOrderForm | None = None
+) -> ProblemFormulation:
+    """The problem in a formulation; ``EngineLimit`` where it or an output has no meaning there.
 
     On coordinates ``form`` may replace the cheapest form of the equations.
     """
@@ -203,15 +205,15 @@ def level(problem: ReferenceProblem, name: str, form: FirstOrderForm | None = No
     with mpmath.workdps(DIGITS):
         start = tuple(_initial(str(s), low, numbers) for s in program.state)
         values = tuple(mpmath.mpf(numbers.get(str(p), np.nan)) for p in program.parameters)
-    return ProblemLevel(problem, name, program, start, values, tuple(integrals))
+    return ProblemFormulation(problem, name, program, start, values, tuple(integrals))
 
 
-def lowest(problem: ReferenceProblem) -> ProblemLevel:
+def lowest(problem: ReferenceProblem) -> ProblemFormulation:
     """The problem on the invariants where that works, else on the coordinates."""
     try:
-        return level(problem, "invariants")
+        return formulation(problem, "invariants")
     except VoronecError:
-        return level(problem, "coordinates")
+        return formulation(problem, "coordinates")
 
 
 def _initial(name: str, invariants: Mapping[str, Any], numbers: Mapping[str, Any]) -> Any:

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from voronec.accuracy.precise_motion import precise_integrator
-from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level
+from voronec.accuracy.problem import ProblemFormulation, ReferenceProblem, formulation
 from voronec.accuracy.solution import UNIT, ReferenceSolution, agreement
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
@@ -91,7 +91,7 @@ def closed_form_values(problem: ReferenceProblem) -> Values:
     return _values_by(problem, "closed-form", DIGITS[0] + 5)
 
 
-def taylor_values(at: ProblemLevel, tol: float) -> Values:
+def taylor_values(at: ProblemFormulation, tol: float) -> Values:
     """The outputs by heyoka's Taylor method in an arithmetic that holds a tolerance; raises
     ``EngineLimit`` without heyoka, ``IntegrationError`` where steps shrink to nothing."""
     passage = precise_integrator(at, tol, varied=False).follow(at.problem.grid)
@@ -130,12 +130,13 @@ def _two_runs(problem: ReferenceProblem, digits: int) -> Sequence[Run]:
 
 def _taylor_runs(problem: ReferenceProblem, digits: int) -> list[Run]:
     """heyoka on the coordinates, and on the invariants where the equations close on them."""
-    levels = [level(problem, "coordinates")]
+    formulations = [formulation(problem, "coordinates")]
     with suppress(VoronecError):
-        levels.append(level(problem, "invariants"))
+        formulations.append(formulation(problem, "invariants"))
     say = "heyoka's Taylor method with {} digits, on the {}"
     return [
-        (say.format(digits, at.name), partial(taylor_values, at, 10.0**-digits)) for at in levels
+        (say.format(digits, at.name), partial(taylor_values, at, 10.0**-digits))
+        for at in formulations
     ]
 
 

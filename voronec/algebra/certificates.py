@@ -317,15 +317,17 @@ class Signs:
         parts = self._coefficients(poly, place)
         if _ONE_SIGN.get(self.kinds[place]) != 1 and any(power % 2 for power in parts):
             return None
-        signs = {power: self.of_polynomial(c, depth + 1) for power, c in parts.items()}
-        found = [(power, s) for power, s in signs.items() if s is not None]
-        if len(found) < len(parts) or len({s.value for _, s in found}) > 1:
-            return None
+        signs: dict[int, Sign] = {}
+        for power in sorted(parts, key=lambda power: len(parts[power])):
+            sign = self.of_polynomial(parts[power], depth + 1)
+            if sign is None or any(sign.value != other.value for other in signs.values()):
+                return None
+            signs[power] = sign
         positive = self.kinds[place] == "positive"
-        strict = any(s.strict and (positive or not power) for power, s in found)
-        reasons = "; ".join(dict.fromkeys(s.reason for _, s in found))
+        strict = any(s.strict and (positive or not power) for power, s in signs.items())
+        reasons = "; ".join(dict.fromkeys(signs[power].reason for power in parts))
         text = f"its coefficients in {self.ring.meaning[place]} agree in sign ({reasons})"
-        return Sign(found[0][1].value, strict, text)
+        return Sign(signs[min(signs)].value, strict, text)
 
     def _by_norm(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a + b r with a square root r: b r is the larger where b^2 r^2 - a^2 is not negative, else
@@ -357,9 +359,11 @@ class Signs:
             return None
         zero = self.ring.field.zero
         a, b, c = parts[2 * half], parts.get(half, zero), parts.get(0, zero)
-        below = self.of_polynomial(4 * a * c - b * b, depth + 1)
         first = self.of_polynomial(a, depth + 1)
-        if below is None or first is None or below.value < 0:
+        if first is None:
+            return None
+        below = self.of_polynomial(4 * a * c - b * b, depth + 1)
+        if below is None or below.value < 0:
             return None
         definite = below.value > 0 and below.strict
         if not (definite or first.strict or self._agrees(c, first, depth)):

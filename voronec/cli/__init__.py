@@ -19,7 +19,16 @@ from traceback import extract_tb
 from voronec.cli.arguments import as_options, command_parser
 from voronec.errors import DefinitionError, VoronecError, printable
 
-__all__ = ["main"]
+__all__ = ["OBJECTS", "command_parser", "main"]
+
+FIRST_STEPS = """\
+Three things to try:
+
+  voronec derive sleigh    the equations of motion of a sleigh, exact, with what is proved of them
+  voronec view sleigh      a page that integrates its motion and shows it, for any browser
+  voronec new my-coin      a file with a small system of your own, to start from
+
+'voronec --help' lists all commands, 'voronec list' all systems."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,9 +61,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _execute(arguments: Sequence[str] | None) -> int:
     parser = command_parser()
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may stand at its cursor
+        with contextlib.suppress(ImportError):
+            import argcomplete
+
+            argcomplete.autocomplete(parser)
     chosen = parser.parse_args(arguments)
     if chosen.module is None:
-        parser.print_help()
+        print(FIRST_STEPS)
         return 0
     with _files_alone(), _rare_collection(), _plain_warnings():
         status: int = import_module(chosen.module).execute(chosen)

@@ -11,6 +11,8 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
+from glob import escape, glob
+from os.path import isdir
 from types import MappingProxyType
 from typing import Any, NamedTuple, NoReturn
 
@@ -91,7 +93,21 @@ class Option(NamedTuple):
             settings["metavar"] = value
         elif "choices" not in settings:
             settings["action"] = "store_true"
-        parser.add_argument(name, help=self.meaning, **settings)
+        argument = parser.add_argument(name, help=self.meaning, **settings)
+        if "NAME" in value.split("|"):
+            argument.completer = _system_names
+
+
+def _system_names(prefix: str, **_: Any) -> list[str]:
+    """What a shell offers for a NAME or a FILE: systems, without running anybody's code, files of
+    systems, and folders."""
+    from voronec.declaration.catalogue import SUFFIXES, names
+
+    found = sorted(glob(f"{escape(prefix)}*"))
+    files = [path for path in found if path.endswith(SUFFIXES) or isdir(path)]
+    return [name for name in names() if name.startswith(prefix)] + [
+        f"{path}/" if isdir(path) else path for path in files
+    ]
 
 
 def _flatten(items: Iterable[Any]) -> Iterator[Option]:
@@ -125,6 +141,9 @@ SYSTEM = Option(
     "system NAME|FILE", "a system's name, or a file: Python defining SYSTEM, or TOML"
 )  # fmt: skip
 OUTPUTS = Option("--outputs A,B", "what to compute: names or formulas (those of the scene)")
+VARIABLES = Option(
+    "--variables A,B", "what the equations are closed for (the velocities of the equations)"
+)
 TOLERANCE = Option("--tol TOL", "the integrator's tolerance (1e-13)")
 MOTION = (
     Option("--scene S", "the scene ('default')"),
@@ -139,6 +158,13 @@ MOTION = (
     ),
 )
 """Which motion is meant."""
+STEADY = (
+    _several("--at NAME=VALUE", "a variable, an integral or a formula that has this value" + OFTEN),
+    _several("--set NAME=VALUE", "another value of a parameter, or an input's" + OFTEN),
+    Option("--free A,B", "parameters or inputs that are to be found"),
+    _number("starts", 100, "searches"), _number("seed", 1, "of the random starts"),
+)  # fmt: skip
+"""Which steady motions are meant."""
 COMMANDS: Mapping[str, tuple[Any, ...]] = {
     "list": (
         "listing", "list the systems and papers",
@@ -230,6 +256,35 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--until T", "give a motion up after this time"), partial(_method, many=True),
         TOLERANCE, Option("--out DIR", "folder for points.csv and section.svg (./NAME-section)"),
     ),
+    "periodic": (
+        "periodic", "find a periodic orbit, or a family, with its multipliers", SYSTEM, MOTION,
+        Option("--period T", "a guess of the period (when the motion comes back near its start)"),
+        VARIABLES,
+        Option("--hold A,B", "integrals that keep the values of the start"),
+        Option("--along NAME=VALUE", "follow the family along an integral or a parameter up to "
+               "this value"),
+        _number("points", 21, "orbits of the family at most"),
+        Option("--segments N", "parts of the period in multiple shooting", {"type": int}),
+        TOLERANCE,
+    ),
+    "exponents": (
+        "exponents", "compute Lyapunov exponents with error bars", SYSTEM, MOTION, VARIABLES,
+        Option("--count N", "only the N largest", {"type": int}),
+        Option("--bar X", "the error bar at which to stop (a thousandth of the motion's pace)"),
+        Option("--until T", "how long the motion is followed at most"),
+        Option("--tol TOL", "the integrator's tolerance (1e-9)"),
+    ),
+    "steady": (
+        "steady", "find steady motions, with their spectra", SYSTEM, STEADY,
+    ),
+    "stability": (
+        "stability", "follow steady motions over a quantity: spectra, critical values", SYSTEM,
+        Option("--over NAME", "a parameter, a variable, or a formula", {"required": True}),
+        Option("--between A:B", "from where to where", {"required": True}),
+        Option("--hold A,B", "what keeps its value besides"), STEADY,
+        _number("count", 100, "steps"),
+        Option("--out FILE", "draw the family: a .svg, .png or .pdf"),
+    ),
     "sweep": (
         "sweep", "compute many motions over grids, lists and draws, into a folder", SYSTEM,
         _several("--grid NAME=A:B:N|A,B,C",
@@ -240,8 +295,8 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--sampling", "how: Sobol' points, uniformly, or on one level of all integrals",
                {"choices": ("sobol", "uniform", "level"), "default": "sobol"}),
         Option("--record A,B",
-               "final, drift, max(x), min(x), time(x=1), section(x=0), class, or quantities at the "
-               "end (final,drift)", {"default": "final,drift"}), MOTION,
+               "final, drift, max(x), min(x), time(x=1), section(x=0), class, exponents(2), or "
+               "quantities at the end (final,drift)", {"default": "final,drift"}), MOTION,
         Option("--times [START:]END[:N]", "the end, or instants, instead of those of the scene"),
         partial(_method, many=True), TOLERANCE,
         _number("seed", 1, "of random draws"),
@@ -275,7 +330,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         "hard", "try every integrator on numerically hard cases",
         Option("cases CASE", "only these cases (all)", {"nargs": "*"}),
         _several("--method M",
-                 "auto, heyoka, scipy, numba, c, python, lsoda, flint or closed-form" + OFTEN),
+                 "auto, heyoka, scipy, numba, c, lsoda, flint or closed-form" + OFTEN),
         Option("--quick", "a short selection of the cases"),
         Option("--list", "list the cases without running them"),
         Option("--out DIR", "write hard-cases.md and hard.json there"),

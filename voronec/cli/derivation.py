@@ -35,7 +35,7 @@ def execute(arguments: Namespace) -> int:
 def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) -> int:
     """Write what is asked for."""
     from voronec.equations.motions import Motions
-    from voronec.equations.voronec_equations import distribution_lines, equations_lines
+    from voronec.equations.voronec_equations import derivation_parts
     from voronec.proof.claims import check_claims
 
     if arguments.store is not None:
@@ -48,14 +48,11 @@ def _execute(arguments: Namespace, eqs: VoronecEquations, chosen: str | None) ->
         answer(arguments.json, lambda: {chosen: text}, [text.rstrip("\n")])
         return 0
     motions, name = Motions(eqs), eqs.system.name
-    if not arguments.json:  # the equations come before what may take longer
-        lines = equations_lines(eqs, shutil.get_terminal_size((100, 24)).columns)
-        progress("")
-        print("\n".join(lines), flush=True)
-        progress(f"{name}: how its distribution grows")
-        lines = distribution_lines(eqs)
-        progress("")
-        print("\n".join(lines), flush=True)
+    if not arguments.json:  # what is found is printed before anything that may take longer
+        for lines in derivation_parts(eqs, shutil.get_terminal_size((100, 24)).columns):
+            progress("")
+            print("\n".join(lines), flush=True)
+            progress(f"{name}: kind, growth and curvature")
     reduction = _reduction(motions)
     claims = check_claims(motions, lambda what: progress(f"{name}: {what}"))
     if arguments.json:

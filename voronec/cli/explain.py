@@ -16,7 +16,7 @@ from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
     from voronec.audit.lessons.lesson import Lesson
-    from voronec.motion.model import Model
+    from voronec.motion.formulation import Model
 
 PICTURES = (".svg", ".png")
 
@@ -33,7 +33,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.motion.explanation import explain, model_text
 
     given["initial"] = given["initial"] or None
-    with progress_line(f"{system.name}: weighing the levels of the equations ..."):
+    with progress_line(f"{system.name}: weighing formulations of the equations ..."):
         model = explain(system, outputs=outputs, **given)
         text = model_text(model)
         files = [] if folder is None else deliver(folder, lambda to: _write(model, text, to))

@@ -87,7 +87,7 @@ def _report(trajectory: Trajectory, scene: str | None, files: list[Path], as_jso
         "times": [float(trajectory.t[0]), float(trajectory.t[-1])],
         "instants": len(trajectory.t), "interrupted": trajectory.interrupted,
         "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
-        "level": cost.level, "setup_seconds": cost.setup, "run_seconds": cost.run,
+        "formulation": cost.formulation, "setup_seconds": cost.setup, "run_seconds": cost.run,
         "steps": cost.steps, "evaluations": cost.evaluations, "switches": cost.switches,
         "parameters": {name: float(x) for name, x in trajectory.parameters.items()},
         "drift": dict(trajectory.drift), "residuals": dict(trajectory.residuals),

@@ -112,7 +112,7 @@ def _report(found: Section, scene: str | None, files: list[Path], as_json: bool)
         "near_tangent": int(found.near_tangent.sum()), "touches": len(found.touches),
         "ends": list(found.ends), "errors": {str(i): str(e) for i, e in found.errors.items()},
         "notes": {str(i): list(notes) for i, notes in found.notes.items()},
-        "drift": drift, "level": found.level, "interrupted": found.interrupted,
+        "drift": drift, "formulation": found.formulation, "interrupted": found.interrupted,
         "method": cost.method, "reason": cost.reason, "tolerance": cost.tolerance,
         "setup_seconds": cost.setup, "run_seconds": cost.run, "steps": cost.steps,
         "files": files,

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import signal
 import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import current_process, get_context, resource_tracker
 from queue import SimpleQueue
+from threading import Thread
 from typing import Any
 
 from voronec.errors import DefinitionError, EngineLimit
@@ -29,15 +31,30 @@ class ProcessEnd(EngineLimit):
         self.status = status
 
 
+def pack(thing: Any, mend: str = "use jobs=1") -> bytes:
+    """A thing as it goes to other processes; where it cannot, ``DefinitionError`` with a
+    ``mend``."""
+    try:
+        return pickle.dumps(thing)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise DefinitionError(f"this cannot go to other processes: {error}; {mend}") from None
+
+
+def stop_reimport() -> None:
+    """End a process that reads the script which started it, and came to where that starts
+    processes: the one that started it tells why."""
+    if getattr(current_process(), "_inheriting", False):
+        sys.exit(1)
+
+
 @dataclass
 class Worker:
-    """A process, the pipe to it, the function that does its ``work``, pickled until it is sent,
-    and the task that it is at."""
+    """A process, the pipe to it, and the function that does its ``work``, pickled until it is
+    sent."""
 
     process: Any
     pipe: Any
     work: bytes
-    task: Any = None
 
     @classmethod
     def start(cls, work: Callable[[Any], Any]) -> Worker:
@@ -45,37 +62,25 @@ class Worker:
 
         Raises ``DefinitionError`` where the work cannot go to another process.
         """
-        try:
-            packed = pickle.dumps(work)
-        except (pickle.PicklingError, AttributeError, TypeError) as error:
-            refusal = f"this cannot go to another process: {error}; use jobs=1"
-            raise DefinitionError(refusal) from None
+        stop_reimport()
+        packed = pack(work)
         # Spawned, not forked: the same on every platform, and no thread of a library is lost.
         context = get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with _block_interrupt():
-            try:
-                process.start()
-            except RuntimeError:
-                if "__mp_main__" not in sys.modules:
-                    raise
-                sys.exit(GUARD)  # a process reads the script that started it
+            process.start()
         theirs.close()
         return cls(process, ours, packed)
 
-    def give(self, task: Any) -> None:
-        """Let it work on a task."""
-        self.task = task
-        if self.work:
-            self.pipe.send_bytes(self.work)
-            self.work = b""
-        self.pipe.send(task)
-
-    def take(self) -> Any:
-        """What came of the task at hand; an error is raised as it was, ``ProcessEnd`` where the
-        process is no more."""
-        self.task = None
+    def ask(self, task: Any) -> Any:
+        """What comes of a task; an error is raised as it was, ``ProcessEnd`` where the process is
+        no more."""
+        with suppress(OSError):  # told by what is received
+            if self.work:
+                self.pipe.send_bytes(self.work)
+                self.work = b""
+            self.pipe.send(task)
         try:
             well, result = self.pipe.recv()
         except (EOFError, OSError):
@@ -84,12 +89,6 @@ class Worker:
         if not well:
             raise result
         return result
-
-    def ask(self, task: Any) -> Any:
-        """What comes of a task."""
-        with suppress(OSError):  # told by what is taken
-            self.give(task)
-        return self.take()
 
     def end(self) -> None:
         """End the process, whatever it is at."""
@@ -113,21 +112,28 @@ def _block_interrupt() -> Iterator[None]:
 
 
 def _serve(pipe: Any) -> None:
-    """Do the tasks that come through the pipe until it is closed."""
+    """Do the tasks that come through the pipe, until it is closed: whoever holds its other end is
+    no more then, and whatever is at hand is for nobody."""
     # Ctrl-C goes to every process of the terminal; the first one decides what happens.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    given = SimpleQueue[bytes]()
+
+    def listen() -> None:
+        with suppress(EOFError, OSError):
+            while True:
+                given.put(pipe.recv_bytes())
+        os._exit(1)
+
+    Thread(target=listen, daemon=True).start()
     work = None
     while True:
+        sent = given.get()
         try:
-            sent = pipe.recv_bytes()
-        except EOFError:
-            return
-        try:
-            given = pickle.loads(sent)
+            task = pickle.loads(sent)
             if work is None:
-                work = given
+                work = task
                 continue
-            answer = True, work(given)
+            answer = True, work(task)
         except Exception as error:
             answer = False, error
         pipe.send(answer)
@@ -135,47 +141,58 @@ def _serve(pipe: Any) -> None:
 
 @dataclass
 class Team:
-    """``jobs`` that share tasks: one of this process, done by a function ``here``, the others by
-    one that goes to them."""
+    """``jobs`` that share tasks: processes, to each of which the function ``there`` goes once, and
+    this process for one of them where it has a function ``here``."""
 
     jobs: int
-    here: Callable[[Any], Any]
     there: Callable[[Any], Any]
-    workers: list[Worker] = field(default_factory=list)
+    here: Callable[[Any], Any] | None = None
+    _free: SimpleQueue[Any] = field(default_factory=SimpleQueue)
+    _workers: list[Worker] = field(default_factory=list)
+    _threads: ThreadPoolExecutor | None = None
+
+    def submit(self, task: Any) -> Future[Any]:
+        """What will come of a task; ``ProcessEnd`` where its process is no more, in whose place
+        another starts."""
+        if self._threads is None:
+            if self.here is not None:
+                self._free.put(self.here)
+            for _ in range(self.jobs - self._free.qsize()):
+                self._free.put(self._start().ask)
+            self._threads = ThreadPoolExecutor(self.jobs)
+        return self._threads.submit(self._one, task)
+
+    def _start(self) -> Worker:
+        self._workers.append(worker := Worker.start(self.there))
+        return worker
+
+    def _one(self, task: Any) -> Any:
+        function = self._free.get() or self._start().ask
+        try:
+            return function(task)
+        except ProcessEnd:
+            function = None
+            raise
+        finally:
+            self._free.put(function)
 
     def results(self, tasks: Iterable[Any], alone: bool) -> Generator[tuple[Any, Any], None, None]:
-        """Tasks and what came of them, as it comes, from all, or of this process ``alone``."""
-        if self.jobs == 1 or alone:
+        """Tasks and what came of them, as it comes, from all, or of this process ``alone``, where
+        it has a function."""
+        if self.here is not None and (self.jobs == 1 or alone):
             yield from ((task, self.here(task)) for task in tasks)
             return
-        while len(self.workers) < self.jobs - 1:
-            self.workers.append(Worker.start(self.there))
-        free: SimpleQueue[Callable[[Any], Any]] = SimpleQueue()
-        for function in (self.here, *(worker.ask for worker in self.workers)):
-            free.put(function)
-
-        def one(task: Any) -> tuple[Any, Any]:
-            function = free.get()
-            try:
-                return task, function(task)
-            except ProcessEnd as ended:
-                raise DefinitionError(GUARD) if ended.status == 1 else ended from None
-            finally:
-                free.put(function)
-
-        with ThreadPoolExecutor(self.jobs) as pool:
-            left = {pool.submit(one, task) for task in tasks}
-            try:
-                while left:
-                    over, left = wait(left, return_when=FIRST_COMPLETED)
-                    for each in over:
-                        yield each.result()
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                self.end()
-                raise
+        left = {self.submit(task): task for task in tasks}
+        while left:
+            for future in wait(left, return_when=FIRST_COMPLETED).done:
+                try:
+                    yield left.pop(future), future.result()
+                except ProcessEnd as ended:
+                    raise DefinitionError(GUARD) if ended.status == 1 else ended from None
 
     def end(self) -> None:
-        """End the other processes, whatever they are at."""
-        while self.workers:
-            self.workers.pop().end()
+        """End the processes, whatever they are at."""
+        if self._threads is not None:
+            self._threads.shutdown(wait=False, cancel_futures=True)
+        while self._workers:
+            self._workers.pop().end()

@@ -18,6 +18,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.elimination import LinearSolution, solve_linear
+from voronec.algebra.terms import factors_of, summands
 from voronec.algebra.verdicts import decide_zero
 from voronec.equations.group_frame import GroupFrame
 from voronec.errors import DefinitionError
@@ -131,14 +132,16 @@ class EhresmannConnection:
                 return k
         return None
 
-    def flow_derivative(self, function: Any, rates: Sequence[Any]) -> Any:
+    def flow_derivative(
+        self, function: Any, rates: Sequence[Any], slope: Callable[..., Any] = se.diff
+    ) -> Any:
         """The derivative of a function of q, t (and v, held fixed) along the motion."""
         terms = [
-            rate * function.diff(q)
+            rate * slope(function, q)
             for q, rate in zip(self.coordinates, rates, strict=True)
             if rate != 0
         ]
-        return se.Add(function.diff(self.time), *terms)
+        return se.Add(slope(function, self.time), *terms)
 
     def bracket(self, i: int, j: int) -> list[Any]:
         """The components of [h_i, h_j] on all coordinates, or along all fields of a group
@@ -160,6 +163,24 @@ class EhresmannConnection:
             for x, row in zip(field[self.base :], self.lift[self.base :], strict=True)
         ]
         return c, tidy(vertical)
+
+
+def shared_slopes(functions: Sequence[Any], variables: Sequence[Any]) -> Callable[..., Any]:
+    """The derivatives of functions by variables, slope(function, variable).
+
+    symengine differentiates what is shared once in a call.  So the functions are differentiated
+    together, as a sum with a mark before each: apart, equal parts would be made again and again,
+    and to find out that nested ones are equal takes 2^depth comparisons.
+    """
+    marks = {se.Symbol(f"mark {k}"): f for k, f in enumerate(dict.fromkeys(functions))}
+    whole = se.Add(*[mark * f for mark, f in marks.items()])
+    found: dict[Any, list[Any]] = {}
+    for q in variables:
+        for term in summands(whole.diff(q)):
+            mark = next((part for part in factors_of(term) if part in marks), None)
+            if mark is not None:
+                found.setdefault((marks[mark], q), []).append(term / mark)
+    return lambda function, q: se.Add(*found.get((function, q), ()))
 
 
 def solve_fibre(

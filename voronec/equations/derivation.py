@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any
 
 import symengine as se
@@ -25,6 +25,7 @@ from voronec.equations.connection import (
     coordinate_lift,
     dual_rows,
     framed_lift,
+    shared_slopes,
 )
 from voronec.equations.definition import Definition
 from voronec.equations.relative_angles import RelativeAngles
@@ -292,7 +293,15 @@ class Derivation:
     @cached_property
     def inertial(self) -> list[Any]:
         """The part of d/dt dLc/dv that holds no acceleration."""
-        return [self.connection.flow_derivative(p, self.rates) for p in self.quasi_momenta]
+        flow, slope = self.connection.flow_derivative, self._slope
+        return [flow(p, self.rates, slope) for p in self.quasi_momenta]
+
+    @cached_property
+    def _slope(self) -> Callable[..., Any]:
+        """The derivatives of what is differentiated along the motion, by coordinates and time."""
+        lifts = [e for row in self.connection.lift for e in row]
+        functions = [self.constrained_lagrangian, *self.dot_rates, *lifts, *self.quasi_momenta]
+        return shared_slopes(functions, (*self.definition.coordinates, self.definition.time))
 
     @cached_property
     def right(self) -> list[Any]:
@@ -303,14 +312,15 @@ class Derivation:
         """
         d, connection, rates = self.definition, self.connection, self.rates
         applied = [q.xreplace(self._on_constraints) for q in d.forces]
-        slope = cache(se.diff)  # all fields take the same ones
+        slope = self._slope
         result = []
         for i in range(connection.n):
             terms = [connection.along(i, self.constrained_lagrangian, slope)]
             for momentum, rate, row, force in zip(
                 self.momenta, self.dot_rates, connection.lift, applied, strict=True
             ):
-                turn = connection.along(i, rate, slope) - connection.flow_derivative(row[i], rates)
+                turned = connection.flow_derivative(row[i], rates, slope)
+                turn = connection.along(i, rate, slope) - turned
                 terms.append(row[i] * force - momentum * turn)
             terms += [-p * t for p, t in zip(self.momenta, self._group_terms_of(i), strict=False)]
             if d.added:  # at vdot = 0 the accelerations are the drift of the rates

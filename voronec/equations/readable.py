@@ -207,9 +207,9 @@ def break_lines(row: str, width: int) -> list[str]:
             elif piece == ")":
                 open_.pop()
             sign = piece in (" + ", " - ", " = ")
-            kept = depth < BRACKETS - 1 and (len(open_) > depth or any(open_))
+            kept = any(open_) or depth < len(open_) < BRACKETS
             text = f"{STAYS if kept else ' '}{piece[1]}{STAYS}" if sign else piece
-            bound.append(text)
+            bound.append(text.replace(", ", f",{STAYS}") if any(open_) else text)
         lines = wrap("".join(bound), width, subsequent_indent=" " * 6, **WORDS_STAY)
         if all(len(line) <= width for line in lines):
             break
@@ -421,7 +421,7 @@ class FormSearch:
         sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or own or left) < 0 else 1
         left, right = ({m: sign * c for m, c in p.items()} for p in (left, right))
         sides = [self.alphabet.arrange(p) for p in (left, right)]
-        if any(self.alphabet.length((product,)) > WIDTH - 8 for product in sides[0]):
+        if any(len(self.alphabet.text((product,))) > WIDTH - 8 for product in sides[0]):
             each: dict[int, Terms] = {}
             for m, c in left.items():
                 each.setdefault(next(i for i, _ in m if self._leads(((i, 1),))), {})[m] = c

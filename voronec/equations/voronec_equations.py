@@ -8,10 +8,12 @@ How they are printed and exported; what they are made of stands in ``derived_equ
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
+from itertools import chain
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
@@ -51,24 +53,27 @@ LONGEST, SCREEN = 20_000, 60
 """Equations of more characters are not printed, nor programs of more lines in their place."""
 
 
-def equations_lines(eqs: VoronecEquations, width: int = WIDTH) -> list[str]:
-    """What kind of system it is, the motion of the coordinates, the equations of motion and the
-    curvature, line by line.
+def derivation_parts(
+    eqs: VoronecEquations, width: int = WIDTH, growth: bool = True
+) -> Iterator[list[str]]:
+    """The motion of the coordinates and the equations of motion, line by line; then, each of which
+    may take longer than these, the kind of system, how its distribution grows, and the curvature.
 
     Motion and equations are in the form for people, lines that are wider than ``width`` go on in
     further ones.  Of a system too large for the exact normal form, or to be printed, the program is
     shown, where that is short.
     """
     system = eqs.system
-    lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
-    lines += [part for line in columns(_facts(eqs)) for part in break_lines(line, width)]
     form = readable(eqs) if eqs.is_short else None
-    if form is None or form.length > LONGEST:
-        return [*lines, "", *_too_large(eqs, form)]
-    lines += ["", *form.lines(width)]
-    if eqs.has_coordinate_frame:
-        lines += ["", *_curvature_lines(eqs, width)]
-    return lines
+    shown = form is not None and form.length <= LONGEST
+    lines = [f"{system.name}: {system.title}" if system.title else system.name, ""]
+    lines += _fact_lines(columns(_facts(eqs)), width)
+    yield [*lines, "", *(form.lines(width) if form and shown else _too_large(eqs, form))]
+    yield ["", _fact("kind", eqs.kind)]
+    if growth:
+        yield _fact_lines(_distribution_rows(eqs), width)
+    if shown and eqs.has_coordinate_frame:
+        yield ["", *_curvature_lines(eqs, width)]
 
 
 def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[str]:
@@ -81,21 +86,28 @@ def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[st
     return [f"{told}, in Python", "", *program]
 
 
-def distribution_lines(eqs: VoronecEquations) -> list[str]:
-    """How the distribution of the constraints grows, and what of them integrates: an analysis that
-    may take longer than the equations."""
+def _distribution_rows(eqs: VoronecEquations) -> Iterator[str]:
+    """How the distribution of the constraints grows, and what of them integrates."""
     found = eqs.distribution
     more = ", ... (cut off at its budget)" if found.cut else ""
     growth = "(" + ", ".join(map(str, found.growth)) + more + ")"
     timed = ", the time included" if found.timed else ""
-    rows = [["growth vector", f"{growth} of {found.dimension}{timed}"]]
-    return ["", *columns([*rows, *_integrable_rows(eqs)])]
+    yield _fact("growth vector", f"{growth} of {found.dimension}{timed}")
+    for label, text in _integrable_rows(eqs):
+        yield _fact(label, text)
+
+
+def _fact(label: str, text: str) -> str:
+    return f"{label:23}  {text}"
+
+
+def _fact_lines(rows: Iterable[str], width: int) -> list[str]:
+    return [part for row in rows for part in break_lines(row, width)]
 
 
 def _facts(eqs: VoronecEquations) -> list[list[str]]:
-    rows = [["kind", eqs.kind]]
     relations = eqs.system.fibration.relations
-    rows += [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
+    rows = [["relation, differentiated", f"{caret_text(e)} = 0"] for e in relations]
     frame = eqs.system.frame
     if frame is None or frame.is_group:
         return [*rows, ["velocities", _names(eqs)]]
@@ -103,18 +115,18 @@ def _facts(eqs: VoronecEquations) -> list[list[str]]:
     return [*rows, *(["quasi-velocity", f"{caret_text(v)} = {caret_text(e)}"] for v, e in pairs)]
 
 
-def _integrable_rows(eqs: VoronecEquations) -> list[list[str]]:
+def _integrable_rows(eqs: VoronecEquations) -> list[tuple[str, str]]:
     """How many combinations of the constraints integrate, these, and what they hold constant."""
     count, (forms, leaves) = len(eqs.system.constraints), _texts_of_integrals(eqs).values()
     if isinstance(forms, str):
         most = eqs.distribution.dimension - eqs.distribution.growth[-1]
-        return [["integrable combinations", f"undecided, at most {most} of {count}"]]
-    rows = [["integrable combinations", f"{len(forms) or 'none'} of {count}"]] if count else []
+        return [("integrable combinations", f"undecided, at most {most} of {count}")]
+    rows = [("integrable combinations", f"{len(forms) or 'none'} of {count}")] if count else []
     for i, form in enumerate(forms):
         without = "" if i < len(leaves) else ", no function found in closed form"
         text = shorten(form.replace("**", "^"), 2 * WIDTH, placeholder=" ...")
-        rows.append(["combination", f"{text} = 0{without}"])
-    return rows + [["held constant", leaf.replace("**", "^")] for leaf in leaves]
+        rows.append(("combination", f"{text} = 0{without}"))
+    return rows + [("held constant", leaf.replace("**", "^")) for leaf in leaves]
 
 
 def _texts_of_integrals(eqs: VoronecEquations) -> dict[str, Any]:
@@ -214,7 +226,8 @@ class VoronecEquations(DerivedEquations):
         if shell is not None and shell.has_trait("kernel"):
             import_module("IPython.display").display(self)
         else:
-            print("\n".join([*equations_lines(self), *distribution_lines(self)]))
+            for lines in derivation_parts(self):
+                print("\n".join(lines), flush=True)
 
     def __repr__(self) -> str:
         return f"VoronecEquations({self.system.name!r}, velocities=({_names(self)}))"
@@ -227,7 +240,7 @@ class VoronecEquations(DerivedEquations):
 
     def __str__(self) -> str:
         """The equations in the form for people, as ``show`` prints them."""
-        return "\n".join(equations_lines(self))
+        return "\n".join(chain.from_iterable(derivation_parts(self, growth=False)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Sent elsewhere, the system goes alone: there its equations are derived again."""

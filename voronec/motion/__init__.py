@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from voronec.motion.ensembles import Ensemble, ensemble
-    from voronec.motion.inputs import Table
+    from voronec.motion.inputs import Sampled, Table
     from voronec.motion.prepared_problem import PreparedProblem, integrate, prepare
     from voronec.motion.request import Event
     from voronec.motion.sections import Section, section
@@ -20,6 +20,7 @@ __all__ = [
     "Ensemble",
     "Event",
     "PreparedProblem",
+    "Sampled",
     "Section",
     "Table",
     "Trajectory",
@@ -34,7 +35,7 @@ _HOME = {
     "request": ("Event",),
     "prepared_problem": ("PreparedProblem", "integrate", "prepare"),
     "sections": ("Section", "section"),
-    "inputs": ("Table",),
+    "inputs": ("Sampled", "Table"),
     "trajectory": ("Cost", "Crossings", "Trajectory"),
 }
 

@@ -21,9 +21,7 @@ from voronec.motion.methods import choose
 from voronec.motion.request import Guard
 from voronec.motion.solve import Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run
-from voronec.motion.steppers.run import restart
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers import Integrator, Problem, Run, natural_units, restart
 
 if TYPE_CHECKING:
     from voronec.equations.derivation import FirstOrderForm

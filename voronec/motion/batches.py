@@ -23,29 +23,38 @@ from voronec.motion.methods import (
     compiled_method,
     method_names,
 )
-from voronec.motion.steppers.heyoka_stepper import (
+from voronec.motion.steppers import (
+    CHUNK,
+    COLLAPSE,
     COMPACT,
+    INFINITE,
     LONG,
-    heyoka,
-    parameter_count,
-    unit_parameters,
-)
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, WINDOW, Problem, StallDetector
-from voronec.motion.steppers.samples import OwnedSamples, StepSamples, series_samples
-from voronec.motion.steppers.scipy_stepper import estimated_steps
-from voronec.motion.steppers.series_reach import (
     MANY,
     PARTS,
+    SHORT,
     STRIDE,
+    WINDOW,
     Field,
+    LongSteps,
+    OwnedSamples,
+    Place,
+    Problem,
+    StallDetector,
+    StepSamples,
+    TurnCount,
+    WideBatch,
     blind_lanes,
+    estimated_steps,
     field_of,
-    overlong_lanes,
-    series_reach,
+    heyoka,
+    long_steps,
+    parameter_count,
+    reach_of_series,
+    series_samples,
     uneven_steps,
+    unit_parameters,
+    units_of_many,
 )
-from voronec.motion.steppers.units import CHUNK, SHORT, TurnCount, units_of_many
-from voronec.motion.steppers.wide_batch import Place, WideBatch
 
 REGISTERS = 2
 """A core is busier with two registers of lanes, whose instructions need not wait for one another;
@@ -215,7 +224,7 @@ class Lanes:
         for parts, own in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
             if own.any():
                 right, rows = self.right_side(own), series[:, :, own]
-                found[own] = series_reach(right, rows, taken[own], ta.high[own], parts, tol)
+                found[own] = reach_of_series(right, rows, taken[own], ta.high[own], parts, tol)
         self.steps.stride[found < np.inf] = 1.0
         ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
         self.ahead = ahead, series
@@ -240,14 +249,18 @@ class Lanes:
             usual, suspect = uneven_steps(span, latest, self.steps.stride)
             suspect &= ta.alive
             if suspect.any():
-                there = ta.place
+                there, every = ta.place, np.arange(self.width)
                 ta.return_to(begin)
+                steps = list[LongSteps]()
                 for own in ta.loads(suspect):
-                    found[own] |= overlong_lanes(
-                        ta.batch, self.right_side(own), there[0][own], limits[own],
-                        int(latest.taken[own].max()), usual[own],
-                    )  # fmt: skip
+                    most = int(latest.taken[own].max())
+                    steps += long_steps(
+                        ta.batch, every[own], there[0][own], limits[own], most, usual[own]
+                    )
                 ta.return_to(there)
+                if steps:
+                    too_long = LongSteps.join(steps).overlong(self.right_side, ta.batch.tol)
+                    found[too_long] = True
         self.steps.overlong[found] = True
         return found
 
@@ -264,6 +277,11 @@ class Lanes:
                 late = np.abs(each - times[0]) > np.abs(self.output.times[-1] - times[0])
                 late &= ~ta.alive
                 np.moveaxis(states, 1, 2)[late] = np.nan
+        elif len(times) == 2:  # no instant lies between, where states would have to be read off
+            begin = ta.state.copy()
+            self.go_to(float(times[-1]), longest)
+            ends = ((ta.alive, begin), (ta.latest.end, ta.state))
+            states = np.stack([np.where(there, state, np.nan) for there, state in ends])
         else:
             states = ta.along_grid(times, longest, max_steps=self.size, **self.callback)
             self.note_steps()

@@ -14,9 +14,9 @@ from voronec.motion.batches import Lanes, Look, StopRequest, along
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many
 from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one
-from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.samples import OwnedSamples, by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
+from voronec.motion.state_probe import changes
+from voronec.motion.steppers import OwnedSamples, by_owner
+from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Trajectory
 from voronec.motion.verify import CheckOfMany
 
@@ -158,29 +158,30 @@ class Carrier:
             failed |= {at + i: error for i, error in errors.items()}
             samples += [(at + own, part) for own, part in parts]
             at += len(load)
-        breaches, notes = self.check.breaches(grid, rows, values, steps / len(rows), samples)
+        found = self.motions.quantities_along(grid, rows, values)
+        breaches, notes = self.check.breaches(grid, rows, values, steps / len(rows), samples, found)
         for i, breach in breaches.items():
             time, state = breach.last or (float(grid[breach.row]), rows[i, breach.row].copy())
             failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
             rows[i, breach.row + 1 :] = np.nan
         # followed once more by ``integrate``, which tells what a pole leaves open
         alone += np.flatnonzero(self.motions.across_poles(rows)).tolist()
-        series, drift = self._outputs(rows, values)
-        return CarriedBlock(series, drift, failed, notes, alone, steps)
+        if breaches:
+            found = self.motions.quantities_along(grid, rows, values)
+        series = {name: found[name] for name in self.outputs}
+        return CarriedBlock(series, self._drifts(rows, values, found), failed, notes, alone, steps)
 
-    def _outputs(
-        self, rows: np.ndarray, values: np.ndarray
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Outputs (m, k) and drifts of integrals (m,) of motions with states (m, k, n)."""
+    def _drifts(
+        self, rows: np.ndarray, values: np.ndarray, found: Mapping[str, np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """How much integrals drift (m,)."""
         drift = dict[str, np.ndarray]()
-        each = np.broadcast_to(values[:, None, :], (*rows.shape[:2], values.shape[-1]))
-        found = at_each(self.motions.extras, self.motions.program.names, self.grid, rows, each)
         for name in self.motions.ground.integrals:
             series = found[f"integral {name}"]
             # a motion that failed has numbers up to there, if any
             change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
             drift[name] = self.drifts.relative(name, change, series[:, 0], self.grid, rows, values)
-        return {name: found[name] for name in self.outputs}, drift
+        return drift
 
 
 _Load = tuple[np.ndarray, Mapping[int, IntegrationError], Sequence[OwnedSamples]]

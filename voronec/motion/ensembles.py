@@ -77,9 +77,9 @@ class Ensemble:
     their coordinates, or that an integral drifts that is only claimed.
 
     ``drift`` maps each integral that the equations in use can express to its largest change
-    along each motion, (starts,), relative as in ``Trajectory``.  ``level`` names the variables
-    of these equations, as in ``Model``.  ``interrupted`` says that the run was stopped by hand, and
-    so does what is printed of it.
+    along each motion, (starts,), relative as in ``Trajectory``.  ``formulation`` names the
+    variables of these equations, as in ``Model``.  ``interrupted`` says that the run was stopped by
+    hand, and so does what is printed of it.
     """
 
     system: System
@@ -90,7 +90,7 @@ class Ensemble:
     finished: np.ndarray
     errors: Mapping[int, VoronecError]
     drift: Mapping[str, np.ndarray]
-    level: str
+    formulation: str
     cost: Cost
     interrupted: bool = False
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
@@ -132,8 +132,9 @@ class Ensemble:
         each = of_motions(len(self), self.errors, self.parameters, drift=self.drift)
         return NamedArrays.of(
             self.system, "Ensemble", variables_of(own, each), ("motion", "t"),
-            ("motion", "t", *self.outputs), level=self.level, interrupted=self.interrupted,
-            cost=asdict(self.cost), notes={str(i): list(told) for i, told in self.notes.items()},
+            ("motion", "t", *self.outputs), formulation=self.formulation,
+            interrupted=self.interrupted, cost=asdict(self.cost),
+            notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
 
     def __repr__(self) -> str:
@@ -263,7 +264,7 @@ def ensemble(
         method=costs[0].method if none_else else carrier.method, reason=reason,
         tolerance=carrier.finest, setup=ready - began,
         run=perf_counter() - ready, steps=steps, evaluations=steps,
-        switches=sum(each.switches for each in costs), level=motions.ground.level,
+        switches=sum(each.switches for each in costs), formulation=motions.ground.formulation,
     )  # fmt: skip
     return filled.ensemble(cost, interrupted, driven)
 
@@ -338,7 +339,7 @@ class _ResultRows:
                 return carrier.carry(task, self.halt.is_set)
             return carrier(task)
 
-        return Team(jobs, here, carrier)
+        return Team(jobs, carrier, here)
 
     def put(self, block: MotionBlock, found: CarriedBlock) -> int:
         """What came of the first motions of a block; how many they are."""
@@ -447,7 +448,7 @@ class _ResultRows:
             finished=self.finished,
             errors=MappingProxyType(dict(sorted(self.errors.items()))),
             drift=MappingProxyType(self.drift),
-            level=self.motions.ground.level,
+            formulation=self.motions.ground.formulation,
             cost=cost,
             interrupted=interrupted,
             notes=MappingProxyType(self.notes),

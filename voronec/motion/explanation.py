@@ -21,16 +21,16 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, VoronecError
+from voronec.motion.formulation import Model, smallest_model
 from voronec.motion.initial_conditions import parameter_values, start_of
 from voronec.motion.inputs import drive
-from voronec.motion.model import Model, smallest_model
 from voronec.motion.motion_start import rates_at
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.reactions import Multipliers
 from voronec.motion.request import Namespace, StartData, number, outputs_of, scene_of
 
 if TYPE_CHECKING:
-    from voronec.motion.model import Role
+    from voronec.motion.formulation import Role
 
 
 @accepts(outputs=SEVERAL, parameters=VALUES, inputs=VALUES, initial=VALUES)
@@ -50,9 +50,9 @@ def explain(
     model holds for all starts; else what is zero in that one motion is frozen.
 
     ``model.roles`` says of each variable whether it is integrated, a quadrature, a constant, given
-    by a first integral, read off or dropped, and why; ``model.candidates`` which levels of the
-    equations were weighed; ``model.states``, ``model.form`` and ``model.outputs`` are what is left;
-    ``model.graph`` is a networkx graph of which rate holds which variable.  Raises
+    by a first integral, read off or dropped, and why; ``model.candidates`` which formulations of
+    the equations were weighed; ``model.states``, ``model.form``, ``model.outputs`` are what is
+    left; ``model.graph`` is a networkx graph of which rate holds which variable.  Raises
     ``DefinitionError`` for input that makes no sense.
     """
     declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
@@ -144,9 +144,9 @@ def model_text(model: Model, width: int = WIDTH) -> str:
     own = model.cut
     wanted = sorted({*own.outputs, *own.angles}, key=_place(model))
     head = f"{model.system.name}: the smallest model for {', '.join(wanted)}"
-    size = f"{_count(len(model.states), 'state')}, in {_level_words(model.level)}"
+    size = f"{_count(len(model.states), 'state')}, in {_formulation_words(model.formulation)}"
     parts = [*_wrap([head], width, ""), size, "", *_roles(model, width), ""]
-    parts += ["what was weighed", *_levels(model), ""]
+    parts += ["what was weighed", *_formulations(model), ""]
     limit = derive(model.system).limit
     parts += (
         [] if limit is None else [*_wrap([f"normal forms were left: {limit}"], width, "  "), ""]
@@ -189,12 +189,13 @@ def _why(model: Model, role: Role) -> str:
     return f"{role.why}: {role.variable} = {text}" if 0 < len(text) <= LONGEST else role.why
 
 
-def _levels(model: Model) -> list[str]:
-    """A table of the levels with their cost; the weight counts products of moving quantities."""
+def _formulations(model: Model) -> list[str]:
+    """A table of the formulations with their cost; the weight counts products of moving
+    quantities."""
     head = ["variables", "states", "operations", "weight", ""]
     rows = [
         [
-            _level_words(c.level), str(c.states), str(c.operations), f"{c.weight:.1f}",
+            _formulation_words(c.formulation), str(c.states), str(c.operations), f"{c.weight:.1f}",
             "chosen" if c.chosen else "",
         ]
         for c in model.candidates
@@ -218,7 +219,7 @@ def _followed_integrals(model: Model, width: int) -> list[str]:
     return _wrap(lines or ["no integral is declared"], width, "  ")
 
 
-def _level_words(name: str) -> str:
+def _formulation_words(name: str) -> str:
     return "coordinates and momenta" if name == "momenta" else name.replace(
         "coordinates", "coordinates and velocities"
     )  # fmt: skip

@@ -6,7 +6,8 @@ exactly.  Any other input becomes a polynomial about an instant s,
     u(t) = u + udot (t - s) + udotdot (t - s)^2/2 + ...,
 
 whose coefficients are parameters: of a number they are constant, of a table they change at its
-knots, of a function of Python's they are its values at the instant s = t itself.
+knots, of a function of Python's they are its values at the instant s = t itself, and of a
+controller, a function of the time and the state, what it gives there.
 
 A table holds values at instants, held or interpolated between them.
 """
@@ -16,7 +17,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import factorial, inf
+from inspect import Parameter as Argument
+from inspect import signature
+from math import ceil, factorial, inf, lcm
 from typing import Any
 
 import sympy as sp
@@ -39,7 +42,7 @@ from voronec.equations.jumps import require_continuous
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
-from voronec.motion.steppers.run import Signal, Signals
+from voronec.motion.steppers import Feedback, Signal, Signals
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,9 @@ class Drive:
                 )
         signals, notes = [], []
         for signal in self.changing.signals:
+            if signal.feedback is not None:
+                signals.append(self._in_one_run(signal, start, end))
+                continue
             found = [breaks(f, start, end) for f in signal.functions]
             if None in found:
                 notes.append(
@@ -92,6 +98,24 @@ class Drive:
                 signal = replace(signal, instants=tuple(knots), sharp=tuple(sharp))
             signals.append(signal)
         return replace(self, changing=Signals(tuple(signals)), notes=tuple(notes))
+
+    def _in_one_run(self, signal: Signal, start: float, end: float) -> Signal:
+        """A controller on a span: asked at start + k period, each rounded once."""
+        assert signal.feedback is not None
+        instants: tuple[float, ...] = ()
+        if end < start:
+            raise DefinitionError(
+                f"system '{self.original.name}': the controller of '{signal.name}' runs into the "
+                f"future, the motion from t = {start:g} back to {end:g}; let the times grow"
+            )
+        if signal.period is not None:
+            begin, period = Fraction(start), signal.period
+            whole = lcm(begin.denominator, period.denominator)
+            first, every = int(begin * whole), int(period * whole)
+            count = max(ceil((Fraction(end) - begin) / period), 1)
+            instants = tuple((first + k * every) / whole for k in range(count))
+        feedback = Feedback(signal.parameters[0], signal.feedback.function, instants)
+        return replace(signal, feedback=feedback, instants=instants)
 
 
 def drive(
@@ -190,6 +214,8 @@ def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Si
     elif isinstance(value, tuple) and len(value) in (2, 3):
         value = Table(*value)
     rates = [values[k] for k in (f"{name}dot", f"{name}dotdot") if k in values]
+    if isinstance(value, Sampled) or _takes_state(value):
+        return _controller(system, u, value)
     if isinstance(value, Table) or not callable(value):
         if rates:
             raise DefinitionError(f"{place} is no function of Python's; it brings its own rates")
@@ -221,17 +247,50 @@ def _jet_of_expression(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Ex
             f"{place} contains '{foreign[0]}', which is neither coordinate, velocity, parameter "
             f"nor the time{namesake_hint(foreign[0], known)}"
         )
-    held = [system.lagrangian, *system.constraints, *system.fibration.relations]
-    held += system.frame.expressions if system.frame is not None else ()
-    jets = {u, velocity(u)}
-    rated = any(names_in(e) & {n for n in names_in(e) if n != u and _rate_of(n, u)}
-                for e in system.forces.values())  # fmt: skip
-    if rated or any(names_in(e) & jets for e in held):
+    if not _is_force(system, u):
         raise DefinitionError(
             f"{place} holds '{min(map(str, state))}', but the input stands outside of the forces, "
             "or with its rate: there it is a function of the time alone; write it into the system"
         )
     return [value]
+
+
+def _is_force(system: System, u: sp.Expr) -> bool:
+    """Whether an input stands in forces alone, without its rates."""
+    held = [system.lagrangian, *system.constraints, *system.fibration.relations]
+    held += system.frame.expressions if system.frame is not None else ()
+    jets = {u, velocity(u)}
+    rated = any(names_in(e) & {n for n in names_in(e) if n != u and _rate_of(n, u)}
+                for e in system.forces.values())  # fmt: skip
+    return not (rated or any(names_in(e) & jets for e in held))
+
+
+def _takes_state(value: Any) -> bool:
+    """Whether something is a function of the time and the state: it wants two arguments."""
+    if not callable(value) or isinstance(value, type):
+        return False
+    try:
+        arguments = signature(value).parameters.values()
+    except (TypeError, ValueError):  # a function of C's
+        return False
+    places = (Argument.POSITIONAL_ONLY, Argument.POSITIONAL_OR_KEYWORD)
+    return sum(a.kind in places and a.default is Argument.empty for a in arguments) == 2
+
+
+def _controller(system: System, u: sp.Expr, value: Any) -> Signal:
+    """The signal of a controller, which stands in forces alone."""
+    name = plain_name(u)
+    if not _is_force(system, u):
+        raise DefinitionError(
+            f"system '{system.name}': the input '{name}' is given by a controller, but stands "
+            "outside of the forces, or with its rate; give a table or an expression of t"
+        )
+    sampled = isinstance(value, Sampled)
+    return Signal(
+        name, 0, "a sampled controller" if sampled else "a function of Python's",
+        feedback=Feedback(name, value.controller if sampled else value),
+        period=Fraction(value.period) if sampled else None,
+    )  # fmt: skip
 
 
 def _jet_in_time(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Expr]:
@@ -412,3 +471,33 @@ class Table:
             name, DEGREES[self.kind], f"a {self.kind} table", first=float(times[0]), last=last,
             instants=times, pieces=pieces,
         )  # fmt: skip
+
+
+@takes_fields
+@dataclass(frozen=True)
+class Sampled:
+    """An input that a ``controller`` gives every ``period``: u(t) = f(t_k, state(t_k)) for
+    t_k <= t < t_k + period, where t_k = t_0 + k period, rounded once, and t_0 is where the run
+    begins.
+
+    The state is a mapping of coordinates and velocities by name, to floats.  A run ends a step
+    at each t_k, and takes any method between them.  Raises ``DefinitionError`` for a period that is
+    no positive number, and for what cannot be called.
+    """
+
+    controller: Any
+    period: Any
+
+    def __post_init__(self) -> None:
+        if not callable(self.controller):
+            raise DefinitionError(
+                f"Sampled: the controller {quote(self.controller)} is no function; give "
+                "lambda t, state: ..., and the period"
+            )
+        period = doubles(self.period, "the period of a controller")
+        if period.ndim or not 0 < period < inf:
+            raise DefinitionError(
+                f"Sampled: the period {quote(self.period)} is no positive number; give seconds, "
+                "such as 0.01"
+            )
+        object.__setattr__(self, "period", float(period))

@@ -51,15 +51,14 @@ from voronec.motion.singular_denominators import (
 )
 from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Integrator, Problem, Run, Termination
-from voronec.motion.steppers.run import Signals, constants_along
+from voronec.motion.steppers import Integrator, Problem, Run, Signals, Termination, constants_along
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
-from voronec.motion.transitions.charts import through_charts
+from voronec.motion.transitions import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
 
 if TYPE_CHECKING:
-    from voronec.motion.transitions.modes import SwitchedIntegrator
+    from voronec.motion.transitions import SwitchedIntegrator
 
 MARGIN = 32
 """Bits beyond those of the tolerance with which outputs are computed from precise states."""
@@ -110,7 +109,7 @@ class MotionRequest:
 
     def in_ambient(self) -> Trajectory | None:
         """In the ambient formulation; None where there is none, or where it leads no farther."""
-        from voronec.motion.formulation.ambient import ambient_formulation  # few motions need it
+        from voronec.motion.ambient import ambient_formulation  # few motions need it
 
         home, time = self.namespace, float(self.grid[0])
         wanted = home.read_outputs(self.outputs)
@@ -145,7 +144,7 @@ class MotionRequest:
     def through_splits(self) -> Trajectory:
         """On the coordinates, in one split of the velocities after another."""
         # few motions need it, nor what is rough
-        from voronec.motion.transitions.splits import SplitRun
+        from voronec.motion.transitions import SplitRun
 
         own = self.namespace.equations
         exact = is_exact(self.method, self.tol)
@@ -167,6 +166,12 @@ class MotionRequest:
             self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
             self._start_bits, self.began,
         ).trajectory()  # fmt: skip
+
+    def by_controllers(self, _: IntegrationError | None) -> Trajectory:
+        """On the coordinates, of which controllers are told, once: a controller that remembers
+        would be misled by a second try."""
+        made = whole(self.namespace, self.outputs, self.functions)
+        return self._integrate(made, self.method)
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
@@ -285,6 +290,7 @@ class _Job:
         equations = self.namespace.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         plain, poles = self._problem(state, values, probe), self._poles(method)
+        controlled = plain.measured is not None
         seen = poles.watch(plain, self)
         switched = self._switching_stepper(method, *seen)
         if switched is None and made.is_rough and equations.system.charts:
@@ -292,7 +298,7 @@ class _Job:
             seen = poles.watch(plain, self)
         if poles.guard is not None:
             poles.guard.check(state, values, time)
-        watched = self._watch_divisors(state, values)
+        watched = () if controlled else self._watch_divisors(state, values)
         if watched:
             seen = self._under_watch(*seen, watched)
         if switched is not None and watched:
@@ -320,7 +326,8 @@ class _Job:
         cost = Cost(
             **chosen, setup=ready - began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
-            steps=run.steps, evaluations=run.evaluations, switches=run.switches, level=made.level,
+            steps=run.steps, evaluations=run.evaluations, switches=run.switches,
+            formulation=made.formulation,
         )  # fmt: skip
         trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
@@ -350,8 +357,19 @@ class _Job:
         return Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact, self.outset.changing,
-            marked=bool(made.watch.branches),
+            marked=bool(made.watch.branches), measured=self._measured(),
         )  # fmt: skip
+
+    def _measured(self) -> Program | None:
+        """What controllers are told beside the states: velocities that follow from these; None
+        where there are no controllers."""
+        changing, namespace = self.outset.changing, self.namespace
+        if changing is None or not changing.feedbacks:
+            return None
+        own = {*map(str, self.made.program.state)}
+        names = [name for name in namespace.rate_names if name not in own]
+        told = {name: namespace.inward(namespace.known[name]) for name in names}
+        return quantities(self.made.form, told)
 
     def _switching_stepper(
         self, method: str, problem: Problem, functions: Mapping[str, Any]
@@ -359,7 +377,14 @@ class _Job:
         """The integrator of a problem that is not smooth, watched; None where it is smooth."""
         if not problem.is_rough:
             return None
-        from voronec.motion.transitions.modes import through_switching_surfaces
+        changing = problem.changing
+        followed = [f for f in changing.feedbacks if not f.is_sampled] if changing else ()
+        if followed:
+            raise EngineLimit(
+                f"the input '{followed[0].name}' is a function of the state, in equations that are "
+                "not smooth; give Sampled(controller, period)"
+            )
+        from voronec.motion.transitions import through_switching_surfaces
 
         return through_switching_surfaces(
             method, problem, self.grid, self.made.moving_form, functions
@@ -425,7 +450,7 @@ class _Job:
     ) -> tuple[Integrator, dict[str, Any]]:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
         equations, form = self.namespace.equations, self.made.form
-        if not equations.system.charts:
+        if not equations.system.charts or problem.measured is not None:
             return choose(method, problem, self.grid)
         return through_charts(method, problem, self.grid, equations, functions, form)
 
@@ -455,7 +480,8 @@ class _Job:
         """What watches the poles of coordinates; kept with the model for the constants."""
         outset, exact = self.outset, is_exact(method, self.tol)
         if outset.changing is not None:
-            return self._pole_watch(method)
+            alone = bool(outset.changing.feedbacks)
+            return _Poles(None, None) if alone else self._pole_watch(method)
         key = outset.constants_key, float(self.grid[0]), exact, self.near
         return self.made.memo.last("poles", key, lambda: self._pole_watch(method))
 
@@ -659,7 +685,7 @@ def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Tr
         return trajectory
     times = [float(e.time) for e in errors if e.trajectory is not None]
     words = "; ".join(
-        f"{c.method} in {c.level} fails after t = {t:.6g}"
+        f"{c.method} in {c.formulation} fails after t = {t:.6g}"
         for c, t in zip(failed, times, strict=True)
     )
     cost = trajectory.cost

@@ -18,7 +18,7 @@ from math import log
 import numpy as np
 
 from voronec.equations.program import Program, compile_program
-from voronec.motion.steppers.run import Problem
+from voronec.motion.steppers import Problem
 
 TAYLOR_STEP, TAYLOR = 0.5, 0.0088
 """Microseconds of a step of heyoka, which Python looks at now and then, and of each order of it and

@@ -6,9 +6,9 @@ A tolerance finer than doubles asks for ``flint``, and a motion that is stiff fo
 heyoka errs least; DOP853, compiled by a C compiler, is taken where it reaches the same error
 sooner, which ``method_costs`` counts.  Heavy programs take heyoka seconds to compile, and steps of
 DOP853 cost far less there: a C compiler is done with most of them in less than one, and numba does
-very many steps, or scipy what it integrates sooner than heyoka compiles.  Where heyoka does not
-install, short motions are over sooner in Python than any of these is loaded; the C compiler does
-all others, or numba what would take scipy longer than to compile, and scipy the rest.  The rule
+very many steps, or scipy what it integrates sooner than these compile.  Where heyoka does not
+install, the C compiler does all motions, or numba what would take scipy longer than to compile, and
+scipy the rest.  The rule
 counts operations; it neither measures times nor looks at what is on disk or loaded: the same call
 always makes the same choice.  (A motion that is declared in closed form is evaluated, where the
 span is long: ``voronec.motion.prepared_problem``.)
@@ -19,8 +19,8 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from importlib.util import find_spec
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from voronec.equations.program import Program
-    from voronec.motion.steppers.run import Integrator, Problem
+    from voronec.motion.steppers import Integrator, Leap, Problem, Run
 
 Loop = Callable[..., Callable[..., int]]
 IMPORT_ERRORS: dict[str, str] = {}
@@ -68,6 +68,8 @@ class Method:
         the method that may go on where this one cannot.
     loop
         what compiles a program, and functions of events, into steps along a grid.
+    leap
+        from a problem to what goes from one sample of a controller to the next in little time.
     follows_events
         whether its own steps are as short as the functions of events ask for.
     sound_steps
@@ -84,6 +86,7 @@ class Method:
     compiler: str = ""
     other: str = ""
     loop: Loop | None = None
+    leap: Callable[[Problem], AbstractContextManager[Leap]] | None = None
     follows_events: bool = False
     sound_steps: float = inf
 
@@ -115,50 +118,55 @@ def _find_spec(library: str) -> Any:
 
 
 def _taylor(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.heyoka_stepper import taylor
+    from voronec.motion.steppers import taylor
 
     return taylor(problem)
 
 
 def _dop853(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.scipy_stepper import dop853
+    from voronec.motion.steppers import dop853
 
     return dop853(problem)
 
 
 def _numba_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers.numba_stepper import compiled_loop
+    from voronec.motion.steppers import compiled_loop
 
     return compiled_loop(program, levels)
 
 
 def _c_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers.c_stepper import c_loop
+    from voronec.motion.steppers import c_loop
 
     return c_loop(program, levels)
 
 
 def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
-    from voronec.motion.steppers.numba_stepper import compiled_dop853
+    from voronec.motion.steppers import compiled_dop853
 
     return compiled_dop853(problem, loop)
 
 
-def _interpreted_stepper(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.python_stepper import python_dop853
+def _taylor_leap(problem: Problem) -> AbstractContextManager[Leap]:
+    from voronec.motion.steppers import taylor_leap
 
-    return python_dop853(problem)
+    return taylor_leap(problem)
+
+
+def _compiled_leap(problem: Problem, loop: Loop) -> AbstractContextManager[Leap]:
+    from voronec.motion.steppers import dop853_leap
+
+    return dop853_leap(problem, loop)
 
 
 def _lsoda(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.scipy_stepper import lsoda
+    from voronec.motion.steppers import lsoda
 
     return lsoda(problem)
 
 
 def _digits(problem: Problem) -> Integrator:
-    from voronec.motion.steppers.integer_taylor import digits
-    from voronec.motion.steppers.root_states import digits_through_roots
+    from voronec.motion.steppers import digits, digits_through_roots
 
     return digits(problem) if problem.roots is None else digits_through_roots(problem)
 
@@ -168,18 +176,18 @@ METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(
         _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy",
-        follows_events=True,
+        leap=_taylor_leap, follows_events=True,
     ),
     "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
     "numba": Method(
         partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
         library="numba", other="heyoka", loop=_numba_loop,
+        leap=partial(_compiled_leap, loop=_numba_loop),
     ),
     "c": Method(
         partial(_compiled_stepper, loop=_c_loop), FINEST, symbolic=True, many=True, compiler="cc",
-        other="heyoka", loop=_c_loop,
+        other="heyoka", loop=_c_loop, leap=partial(_compiled_leap, loop=_c_loop),
     ),
-    "python": Method(_interpreted_stepper, FINEST, symbolic=True, other="heyoka"),
     # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
     "lsoda": Method(_lsoda, FINEST, best=1e-13, other="heyoka", sound_steps=10_000),
     "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
@@ -213,6 +221,8 @@ def method_names(many: bool = False) -> tuple[str, ...]:
     return ("auto", *(name for name, method in METHODS.items() if method.many or not many))
 
 
+CONTINUOUS = "where a controller jumps or chatters, give Sampled(controller, period)"
+"""What helps where steps collapse under a controller that is asked everywhere."""
 HEAVY = 200.0
 """Above this weight heyoka compiles for more than a second where it has not seen a program yet."""
 TINY = 2_000_000
@@ -222,10 +232,6 @@ STAGES = 12
 COMPILATION = 20_000_000
 """So many operations take Python a second or two, and numba some seconds to compile for them; the
 C compiler takes about as long as it takes to load scipy."""
-LOAD_OPERATIONS = 2_500_000
-"""So many operations take Python less time than to load scipy or numba."""
-COARSE = 1e-13
-"""At finer tolerances than this Taylor's method is more accurate than DOP853."""
 LONG_RUN = 100_000
 """So many steps of a heavy program take heyoka longer than numba takes to compile and to run."""
 
@@ -254,15 +260,16 @@ def choose(
     symbolic = method in METHODS and METHODS[method].symbolic
     if called is not None and (symbolic or problem.tol < EXACT):
         raise DefinitionError(
-            f"the input '{called.name}' is a function of Python's, known in doubles and without a "
-            "Taylor series; take method='scipy' and tol >= 1e-16, or give an expression or a table"
+            f"the input '{called.name}' is {called.kind}, known in doubles and without a "
+            "Taylor series; take method='scipy' and tol >= 1e-16, or give "
+            f"{called.smoother}"
         )
-    if method in ("heyoka", "numba", "c", "python") and not problem.program.state:
+    if method in ("heyoka", "numba", "c") and not problem.program.state:
         return _make_stepper("scipy", problem, f"nothing moves, and {method} wants equations")
     if method != "auto":
         used, reason, loss = method, "", 1.0
     elif called is not None:
-        used, reason, loss = "scipy", f"the input '{called.name}' is a function of Python's", 1.0
+        used, reason, loss = "scipy", f"the input '{called.name}' is {called.kind}", 1.0
     else:
         used, reason, loss = _best(outset or problem, grid)
     try:
@@ -311,26 +318,22 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
     heavy = problem.tol >= FINEST and problem.program.weight > HEAVY
     absence = METHODS["heyoka"].absence
     there = not absence
-    if not there and _is_short(problem, grid, LOAD_OPERATIONS):
-        return "python", f"{absence}, and the run is short"
     if there and not heavy:
         return "heyoka", "heyoka is installed"
-    if there and _is_short(problem, grid, TINY):
-        return "python", "the run takes less time than compiling for heyoka"
-    if not there and not compiled:
-        return "scipy", absence
-    if soon:
-        return compiled, absence or "a heavy program"
-    from voronec.motion.steppers.scipy_stepper import estimated_steps
+    if not there and (soon or not compiled):
+        return compiled or "scipy", absence
+    from voronec.motion.steppers import TRIAL, estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)
     # each part of a run through splits is compiled for, and may end at once
     enough = TINY if there and problem.brief is None else COMPILATION
-    steps = estimated_steps(problem, grid)
-    if steps is None or steps * cost <= enough:
+    steps = None if soon and TRIAL * cost > enough else estimated_steps(problem, grid)
+    if steps is not None and steps * cost <= enough:
         other = "heyoka" if there else compiled
-        if steps is not None:
-            return "scipy", f"about {steps} steps take less time than compiling for {other}"
+        return "scipy", f"about {steps} steps take less time than compiling for {other}"
+    if soon:
+        return compiled, "a heavy program"
+    if steps is None:
         return ("heyoka", "heyoka is installed") if there else ("scipy", absence)
     if not there:
         return compiled, f"{absence}, and there are many steps"
@@ -339,30 +342,42 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
     return "heyoka", "heyoka is installed"
 
 
-def _is_short(problem: Problem, grid: np.ndarray, most: float) -> bool:
-    """Whether a run is smooth, and over in Python after no more than so many operations."""
-    plain = problem.changing is None and problem.brief is None and not problem.switching_surfaces
-    plain = plain and all(e.name in problem.coarse for e in problem.events)
-    if problem.tol < COARSE or not plain:
-        return False
-    from voronec.motion.steppers.python_stepper import operations_of_run
-
-    return operations_of_run(problem, grid, most) <= most
-
-
 def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrator, dict[str, Any]]:
-    from voronec.motion.transitions.knots import in_pieces
+    from voronec.motion.input_knots import in_pieces
+    from voronec.motion.steppers import held_integrator
 
     made = METHODS[method]
     make = made.make
     assert make is not None
     if problem.levels is not None and not made.follows_events:
-        from voronec.motion.steppers.event_states import make_with_event_states
+        from voronec.motion.steppers import make_with_event_states
 
         make = partial(make_with_event_states, make)
     if problem.tol < made.finest:
         problem = replace(problem, tol=made.finest)
     chosen = {"method": method, "reason": reason, "tolerance": problem.tol}
-    if problem.changing is not None:
-        return in_pieces(make, problem, anew=made.exact), chosen
-    return make(problem), chosen
+    changing = problem.changing
+    if changing is None:
+        return make(problem), chosen
+    feedbacks = changing.feedbacks
+    alone = problem.levels is None and not problem.dense and changing.python_signal is None
+    if feedbacks and alone and made.leap is not None:
+        return held_integrator(made.leap, problem), chosen
+    followed = [feedback for feedback in feedbacks if not feedback.is_sampled]
+    pieces = in_pieces(make, replace(problem, dense=problem.dense or bool(followed)), made.exact)
+
+    def run(grid: np.ndarray) -> Run:
+        found, told = pieces(grid), problem.told()
+
+        def motion(times: np.ndarray) -> list[Mapping[str, float]]:
+            assert found.inside is not None
+            states = found.inside(times).tolist()
+            return [told(t, y, problem.parameters) for t, y in zip(times, states, strict=True)]
+
+        for feedback in followed:
+            feedback.motion = motion
+        if followed and found.halt is not None and not found.halt.mend:
+            found = replace(found, halt=replace(found.halt, mend=CONTINUOUS))
+        return found if problem.dense else replace(found, inside=None)
+
+    return run if followed else pieces, chosen

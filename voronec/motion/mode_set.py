@@ -23,9 +23,7 @@ from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, m
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run
-from voronec.motion.steppers.event_states import narrow, widen
-from voronec.motion.steppers.run import restart
+from voronec.motion.steppers import Integrator, Problem, Run, narrow, restart, widen
 
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""

@@ -24,7 +24,7 @@ from voronec.equations.program.switches import Switch
 from voronec.errors import DefinitionError
 from voronec.motion.mode_set import GUARD, Mode, ModeSet
 from voronec.motion.modes import LevelSurface, SmoothBranch
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers import natural_units
 
 NEAR = 6
 """A switching surface's function counts as zero where it is smaller than its terms by all bits but

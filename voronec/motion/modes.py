@@ -38,7 +38,7 @@ from voronec.equations.program.switches import (
 )
 from voronec.errors import EngineLimit
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers.root_states import RootStates
+from voronec.motion.steppers import RootStates
 
 STEEP = (se.log, se.asin, se.acos, se.acosh, se.atan2)
 """Functions whose slopes have no bound."""

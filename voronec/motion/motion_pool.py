@@ -16,8 +16,8 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.formulation import SmallestModels
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
-from voronec.motion.model import smallest_model
 from voronec.motion.motion_start import require_inertia
 from voronec.motion.observables import size_of_terms
 from voronec.motion.request import Namespace, Starts, name_values
@@ -37,12 +37,12 @@ than those that are given."""
 class WorkingEquations:
     """The equations in which motions run, and what is looked at, all in the engine's symbols.
 
-    ``level`` says in which variables they stand; ``start`` is what each of them is in coordinates
-    and velocities, and ``frozen`` what constants of the motion among the parameters are;
-    ``quantities`` and ``integrals`` are in the form's variables.
+    ``formulation`` says in which variables they stand; ``start`` is what each of them is in
+    coordinates and velocities, and ``frozen`` what constants of the motion among the parameters
+    are; ``quantities`` and ``integrals`` are in the form's variables.
     """
 
-    level: str
+    formulation: str
     form: Any
     start: tuple[Any, ...]
     frozen: Mapping[str, Any]
@@ -50,19 +50,22 @@ class WorkingEquations:
     integrals: Mapping[str, Any]
 
 
-def ground(namespace: Namespace, wanted: Mapping[str, sp.Expr]) -> WorkingEquations:
+def ground(
+    namespace: Namespace, wanted: Mapping[str, sp.Expr], by_integrals: bool = True
+) -> WorkingEquations:
     """The smallest model that holds for all starts, where it has everything wanted as it is; else
-    all coordinates and velocities."""
+    all coordinates and velocities.  Integrals stand in for equations only where that is asked."""
     equations = namespace.equations
     own = equations.form
     integrals = {name: namespace.claims[name] for name in equations.system.integrals}
     model = None
     if wanted and not namespace.holds_reactions(wanted.values()):
-        model = smallest_model(Motions.of(equations), wanted, integrals)
+        models = SmallestModels.of(Motions.of(equations), wanted, integrals)
+        model = models.general if by_integrals else models.without_integrals
     # an angle that is read off needs its branch followed along the motion
     if model is not None and model.start and wanted.keys() <= model.outputs.keys():
         return WorkingEquations(
-            level=model.level,
+            formulation=model.formulation,
             form=model.form,
             start=tuple(model.start.values()),
             frozen={str(symbol): e for symbol, e in model.frozen.items()},
@@ -70,7 +73,7 @@ def ground(namespace: Namespace, wanted: Mapping[str, sp.Expr]) -> WorkingEquati
             integrals=model.integrals,
         )
     return WorkingEquations(
-        level="coordinates",
+        formulation="coordinates",
         form=own,
         start=(*own.coordinates, *own.velocities),
         frozen={},
@@ -204,6 +207,14 @@ class Many:
         """``extras(t, columns, values)`` computes what ``program.names`` says."""
         return compile_program(self.program)[1]
 
+    def quantities_along(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Outputs and integrals (m, k) at instants (k,) of motions with states (m, k, n) and
+        parameters (m, p)."""
+        each = np.broadcast_to(values[:, None, :], (*states.shape[:2], values.shape[-1]))
+        return at_each(self.extras, self.program.names, t, states, each)
+
     @property
     def sound(self) -> list[int]:
         """Positions of the starts from which a motion goes."""
@@ -247,10 +258,11 @@ def many(
     parameters: Mapping[Any, Any],
     wanted: Mapping[str, sp.Expr],
     time: float,
+    by_integrals: bool = True,
 ) -> Many:
     """The starts in numbers.  ``parameters`` may hold arrays, one value for each start."""
     namespace = Namespace.of(equations)
-    basis = ground(namespace, wanted)
+    basis = ground(namespace, wanted, by_integrals)
     looked = {**basis.quantities, **{f"integral {n}": e for n, e in basis.integrals.items()}}
     program = Program.of(basis.form, looked)
     if program.is_rough and namespace.holds_reactions(wanted.values()):

@@ -32,6 +32,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.formulation import ModelCache
 from voronec.motion.initial_conditions import (
     CONSISTENT,
     NO_VELOCITIES,
@@ -44,7 +45,6 @@ from voronec.motion.initial_conditions import (
     parameter_values,
     start_of,
 )
-from voronec.motion.model.model_cache import ModelCache
 from voronec.motion.request import Namespace, StartData, kept_while_same
 from voronec.motion.singular_coordinates import (
     POLE,
@@ -58,7 +58,7 @@ from voronec.motion.singular_coordinates import (
 from voronec.motion.singular_denominators import NEAR
 from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
-from voronec.motion.steppers.run import Signals
+from voronec.motion.steppers import Signals
 
 
 def rates_at(

@@ -15,11 +15,11 @@ from voronec.algebra.memo import Memo
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
-from voronec.motion.model import Model, SmallestModels
+from voronec.motion.formulation import Model, SmallestModels
 from voronec.motion.observables import AngleBranch, ObservedQuantities, watch_of
 from voronec.motion.request import Namespace, OutputTerms
 from voronec.motion.state_probe import StateProbe, mass_program, quantities
-from voronec.motion.steppers.run import Signals
+from voronec.motion.steppers import Signals
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class ProgrammedModel:
     memo: Memo = field(default_factory=Memo, repr=False, compare=False)
 
     @property
-    def level(self) -> str:
+    def formulation(self) -> str:
         """The variables in which the model stands."""
-        return "coordinates" if self.model is None else self.model.level
+        return "coordinates" if self.model is None else self.model.formulation
 
     @property
     def relations(self) -> tuple[Any, ...]:
@@ -187,25 +187,25 @@ def numbers_at(
 def _watch(namespace: Namespace, wanted: OutputTerms, model: Model) -> ObservedQuantities:
     """The outputs on a model, its angles by their cosines and sines, and the integrals and
     relations that it can express."""
-    level = model.cut
-    parts = {f"cosine of {n}": a.cosine for n, a in level.angles.items()}
-    parts |= {f"sine of {n}": a.sine for n, a in level.angles.items()}
-    shown = {n: e for n, e in level.outputs.items() if n in wanted.terms}
-    usable = {*level.variables, *level.parameters, level.time}
+    formulation = model.cut
+    parts = {f"cosine of {n}": a.cosine for n, a in formulation.angles.items()}
+    parts |= {f"sine of {n}": a.sine for n, a in formulation.angles.items()}
+    shown = {n: e for n, e in formulation.outputs.items() if n in wanted.terms}
+    usable = {*formulation.variables, *formulation.parameters, formulation.time}
     relations = namespace.equations.system.fibration.relations
     inside = {str(r): namespace.inward(r) for r in relations}
     kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
     besides = {n: e for n, e in _besides(namespace, model).items() if n not in wanted.names}
     expressions = shown | parts | besides
-    watch = ObservedQuantities.of(wanted, expressions, level.integrals, kept)
+    watch = ObservedQuantities.of(wanted, expressions, formulation.integrals, kept)
     return replace(watch, besides=tuple(besides))
 
 
 def _besides(namespace: Namespace, model: Model) -> dict[str, Any]:
     """Coordinates and velocities that a model knows without integrating them: what it solves for,
     what an integral gives, what is constant or stays at zero."""
-    level, definition = model.cut, namespace.equations.definition
-    known = {name for name, _ in level.stages} | set(level.parameters)
+    formulation, definition = model.cut, namespace.equations.definition
+    known = {name for name, _ in formulation.stages} | set(formulation.parameters)
     zero = {role.variable for role in model.roles if role.kind == "zero"}
     own = (*definition.coordinates, *definition.velocities)
     found = {str(x): x for x in own if x in known}

@@ -32,7 +32,7 @@ from voronec.motion.request import Event, Starts, label
 from voronec.motion.section_passages import PATIENCE, SectionPassages
 from voronec.motion.steppers import Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
-from voronec.motion.transitions.modes import is_switched
+from voronec.motion.transitions import is_switched
 
 Passes = Callable[[np.ndarray, np.ndarray], bool]
 """Whether a motion with states (s, n) at times (s,) passes a place that makes it doubtful."""

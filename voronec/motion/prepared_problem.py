@@ -134,6 +134,8 @@ class PreparedProblem:
                 namespace, outputs, functions, guards, outset, grid, tol, self.dense, progress,
                 followed, method, began, given, self.project,
             )  # fmt: skip
+            if driven.changing is not None and driven.changing.feedbacks:
+                return request.by_controllers(None)
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
             return first_success(request.in_any_split(ways), start)
 
@@ -246,9 +248,8 @@ def integrate(
         parameters.
     method
         ``heyoka`` (Taylor), ``scipy`` (DOP853), ``numba`` (the same, compiled), ``c`` (compiled by
-        the machine's C compiler), ``python`` (in Python alone), ``lsoda`` (scipy's, for stiff
-        systems), ``flint`` (Taylor in any precision), or ``auto``.  ``traj.cost`` says which it
-        was, and why.
+        the machine's C compiler), ``lsoda`` (scipy's, for stiff systems), ``flint`` (Taylor in any
+        precision), or ``auto``.  ``traj.cost`` says which it was, and why.
         ``closed-form`` evaluates the motion, where the system declares one (``closed_form``): its
         cost does not depend on the time, and ``tol`` may be as fine as with ``flint``; it looks
         for no events.
@@ -272,7 +273,10 @@ def integrate(
         the values of the system's inputs, by symbol or name, over those of the scene: a number; an
         expression of the time, and, for inputs in forces alone, of the state; a ``Table``, or a
         pair of times and values; a function of the time (by ``scipy`` only), its rate, where the
-        equations hold that, under the rate's symbol or name.
+        equations hold that, under the rate's symbol or name; for inputs in forces alone a
+        controller, a function of the time and of the state, which maps coordinates and velocities
+        by name to floats (by ``scipy`` or ``lsoda``), or ``Sampled(controller, period)`` (by any
+        method).
 
     What does not depend on ``times``, ``parameters`` and ``initial`` is prepared as ``prepare``
     does, and kept for the next call.

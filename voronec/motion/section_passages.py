@@ -25,10 +25,18 @@ from voronec.motion.batches import (
 from voronec.motion.crossings import NODES, Pieces, find_crossings, roots
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
-from voronec.motion.steppers.run import COLLAPSE, INFINITE, Problem
-from voronec.motion.steppers.samples import StepSampler, StepSamples, series_samples
-from voronec.motion.steppers.scipy_stepper import dop853_steps
-from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
+from voronec.motion.steppers import (
+    COLLAPSE,
+    INFINITE,
+    IntegratorFailure,
+    Problem,
+    Segment,
+    StepSampler,
+    StepSamples,
+    Stride,
+    dop853_steps,
+    series_samples,
+)
 
 if TYPE_CHECKING:
     from voronec.motion.motion_pool import Many
@@ -602,7 +610,7 @@ def _stretches(
     tol: float,
 ) -> Iterator[Sequence[Stride]]:  # fmt: skip
     """The steps of DOP853, some together; ``IntegrationError`` where it cannot go on."""
-    from voronec.motion.steppers.numba_stepper import Loop, scales_of
+    from voronec.motion.steppers import Loop, scales_of
 
     loop, grid = METHODS[method].loop, np.array(span)
     problem = Problem(program, state, values.tolist(), tol, dense=True)

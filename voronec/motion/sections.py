@@ -64,10 +64,8 @@ from voronec.motion.section_passages import (
     pass_one_by_one,
 )
 from voronec.motion.state_probe import at_each, changes
-from voronec.motion.steppers.event_states import with_parts
-from voronec.motion.steppers.samples import by_owner
-from voronec.motion.steppers.scipy_stepper import FINEST
-from voronec.motion.tolerances import EXACT
+from voronec.motion.steppers import by_owner, with_parts
+from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost
 from voronec.motion.verify import CheckOfMany
 
@@ -273,8 +271,8 @@ class Section:
     crossings up to t = ...`` or ``failed``; ``errors`` has the failures by position, ``notes`` what
     is to be said of motions, as in ``Ensemble``.
     ``drift`` maps the integrals that the equations in use can express to their largest change up to
-    the last point, (starts,), relative as in ``Ensemble``; ``level`` names the variables of these
-    equations.
+    the last point, (starts,), relative as in ``Ensemble``; ``formulation`` names the variables of
+    these equations.
     """
 
     system: System
@@ -292,7 +290,7 @@ class Section:
     errors: Mapping[int, VoronecError]
     parameters: Mapping[str, np.ndarray]
     drift: Mapping[str, np.ndarray]
-    level: str
+    formulation: str
     cost: Cost
     interrupted: bool = False
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
@@ -336,7 +334,7 @@ class Section:
         return NamedArrays.of(
             self.system, "Section", variables_of(*points, each), ("point",), own, plane=self.plane,
             value=self.value, direction=self.direction, touches=[list(x) for x in self.touches],
-            level=self.level, interrupted=self.interrupted, cost=asdict(self.cost),
+            formulation=self.formulation, interrupted=self.interrupted, cost=asdict(self.cost),
             notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
 
@@ -568,7 +566,9 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
         states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
         ends = motions.time, float(t[-1])
         samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
-        breaches, notes = check.breaches(t, states[None], motions.values[i][None], steps, samples)
+        motion = t, states[None], motions.values[i][None]
+        series = motions.quantities_along(*motion)
+        breaches, notes = check.breaches(*motion, steps, samples, series)
         if notes:
             passages.notes[i] = (*passages.notes.get(i, ()), *notes[0])
         for breach in breaches.values():
@@ -612,7 +612,7 @@ def _section(
             {n: x for n, x in motions.parameters.items() if n in system.parameter_names}
         ),
         drift=MappingProxyType(drift),
-        level=motions.ground.level,
+        formulation=motions.ground.formulation,
         cost=cost,
         interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),

@@ -16,16 +16,16 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from voronec.motion.request import Guard
-from voronec.motion.steppers.run import (
+from voronec.motion.steppers import (
     DISTANT,
     Run,
+    StepSamples,
     Termination,
     Ticker,
     crossing_arrays,
     in_kind,
     in_parts,
 )
-from voronec.motion.steppers.samples import StepSamples
 
 DOUBLE = 53
 """Bits of a double."""

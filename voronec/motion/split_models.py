@@ -62,7 +62,7 @@ from voronec.motion.singular_denominators import (
     without_factors,
 )
 from voronec.motion.state_probe import quantities, usual_size
-from voronec.motion.steppers.run import Signals, constants_along
+from voronec.motion.steppers import Signals, constants_along
 
 SHARE = 0.1
 """A pivot is no smaller than this part of its row, at the point for which it is chosen."""

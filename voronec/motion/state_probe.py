@@ -13,7 +13,7 @@ import numpy as np
 from voronec.algebra.memo import Memo
 from voronec.equations.program import Program, compile_program, hoist
 from voronec.errors import DefinitionError, IntegrationError
-from voronec.motion.steppers.run import FAR, Signals, Suspect, Termination, values_along
+from voronec.motion.steppers import FAR, Signals, Suspect, Termination, values_along
 
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
@@ -227,11 +227,13 @@ class StateProbe:
         least = min(_smallest(mass, masses[1]) for mass in masses)
         singular = halt.singular or least < NEARLY
         cause = "; the mass matrix is singular there" if singular else ""
-        mend = "end the run before that, or use another chart"
-        if halt.reason == FAR:
+        mend, after = "end the run before that, or use another chart", " after"
+        if halt.mend:
+            cause, mend, after = "", halt.mend, "; the run is kept up to"
+        elif halt.reason == FAR:
             cause, mend = "", "ask for a shorter span or a coarser tolerance"
         return IntegrationError(
-            f"system '{self.name}': {halt.reason} after t = {float(halt.time):.12g} "
+            f"system '{self.name}': {halt.reason}{after} t = {float(halt.time):.12g} "
             f"({self._show_state(state)}){cause}; {mend}",
             halt.time,
             halt.state,

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from voronec.equations.program import Program, compile_program
-from voronec.motion.steppers.samples import NODES, WIDTH, OwnedSamples, Rates, StepSamples
+from voronec.motion.steppers import NODES, WIDTH, OwnedSamples, Rates, StepSamples
 
 RELATIVE, ROUNDING = 1e-6, 1e-7
 """A defect is looked into where it is larger than these parts of the way that a variable goes in
@@ -28,7 +28,7 @@ FAR_APART = 2.0**16
 DOUBT = 2.0
 """A defect counts where it is so many times larger than what the last two coefficients contribute;
 the coefficients that are left out are of their size."""
-BUDGET = 3000
+BUDGET = 1500
 """Evaluations that integrating a step again may take."""
 NEARBY, FINE, MARGIN = 1e-7, 1e-11, 1e3
 """How far from the first another start is, the tolerance from there, and how many tolerances the
@@ -161,46 +161,44 @@ def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.nda
     """The defect of the last state of a step, by variable, in units of what is allowed: the
     motion is integrated again from the first state by a Runge-Kutta method.
 
-    Also from a start nearby, which tells how far what the tolerance leaves open grows, and, in
-    doubt, from one that is some roundings away.  None where that cannot be done within the budget
-    of evaluations.
+    Beside it go one from a start nearby, which tells how far what the tolerance leaves open grows,
+    and one from a start some roundings away, which counts in doubt.  None where that cannot be done
+    within the budget of evaluations.
     """
     from scipy.integrate import DOP853
 
     size = np.maximum(1.0, np.abs(states).max(initial=0.0))
     left = [BUDGET]
+    moved = np.array([[0.0], [NEARBY], [max(tol, ULPS * ROUNDOFF)]])
+    starts = states[0] + moved * size * _signs(states.shape[1])
 
-    def single(time: float, state: np.ndarray) -> np.ndarray:
+    def all_rates(time: float, state: np.ndarray) -> np.ndarray:
         left[0] -= 1
         if left[0] < 0:
             raise _OverBudget
-        return rates(np.array([time]), state[None, :])[0]
+        return rates(np.full(len(starts), time), state.reshape(starts.shape)).ravel()
 
-    def end(moved: float) -> np.ndarray:
-        start = states[0] + moved * size * _signs(states.shape[1])
-        solver = DOP853(single, t[0], start, t[-1], rtol=FINE, atol=FINE)
+    try:
+        solver = DOP853(all_rates, t[0], starts.ravel(), t[-1], rtol=FINE, atol=FINE)
         with np.errstate(all="ignore"):
             while solver.status == "running":
                 solver.step()
-        if solver.status != "finished" or not np.isfinite(solver.y).all():
-            raise _OverBudget
-        return np.asarray(solver.y)
-
-    try:
-        here = end(0.0)
-        gap = np.abs(end(NEARBY) - here)
-        allowed = RELATIVE * size + MARGIN * max(tol, FINE) / NEARBY * gap
-        allowed += np.where(gap > BEND * size, SWAY * gap, 0.0)
-        off = np.abs(states[-1] - here)
-        if (off > allowed).any():
-            allowed += SWAY * np.abs(end(max(tol, ULPS * ROUNDOFF)) - here)
     except (_OverBudget, ValueError):
         return None
+    if solver.status != "finished" or not np.isfinite(solver.y).all():
+        return None
+    here, nearby, beside = solver.y.reshape(starts.shape)
+    gap = np.abs(nearby - here)
+    allowed = RELATIVE * size + MARGIN * max(tol, FINE) / NEARBY * gap
+    allowed += np.where(gap > BEND * size, SWAY * gap, 0.0)
+    off = np.abs(states[-1] - here)
+    if (off > allowed).any():
+        allowed += SWAY * np.abs(beside - here)
     return np.asarray(off / allowed)
 
 
 class _OverBudget(Exception):
-    """More evaluations than there were to spend, or no end."""
+    """More evaluations than there were to spend."""
 
 
 def _signs(count: int) -> np.ndarray:

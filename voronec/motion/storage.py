@@ -28,13 +28,13 @@ import mpmath
 import numpy as np
 
 from voronec.algebra.arguments import PATH, accepts, require
-from voronec.algebra.symbols import plain_name
-from voronec.declaration.system import System
 from voronec.declaration.whole_files import draft, unwritable, workshop
 from voronec.errors import DefinitionError, file_errors, quote
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from voronec.declaration.system import System
 
 FORMAT = 1
 """The version of what a header says, and of how arrays are laid out."""
@@ -166,6 +166,8 @@ def header_of(system: System, kind: str, **more: Any) -> dict[str, Any]:
 
 def meanings_of(system: System) -> dict[str, str]:
     """What the quantities of a system are in words, by name, as far as it is declared."""
+    from voronec.algebra.symbols import plain_name  # imports sympy, which no reader needs
+
     said = {p.name: p.meaning for p in system.parameters}
     things = {plain_name(k) if not isinstance(k, str) else k: m for k, m in system.meanings.items()}
     return {name: words for name, words in {**said, **things}.items() if words}

@@ -13,7 +13,7 @@ import numpy as np
 
 from voronec.equations.program import Program, compile_program
 from voronec.motion.state_probe import at_each
-from voronec.motion.steppers.units import balance
+from voronec.motion.steppers import balance
 
 CANCELLATION = 1e-6
 """An integral less than this part of its terms counts as starting at zero."""

@@ -51,8 +51,8 @@ class Cost:
     one in force.  ``setup`` (deriving and compiling) and ``run`` are seconds.  ``evaluations``
     counts those of the right-hand side; a Taylor method expands it once a step, and then both
     numbers agree.  ``switches`` counts changes of chart, or of the side of a switching surface;
-    ``level`` says in which variables the equations stood; ``cpu`` are the seconds of the processor
-    that the run took.
+    ``formulation`` says in which variables the equations stood; ``cpu`` are the seconds of the
+    processor that the run took.
     """
 
     method: str
@@ -63,7 +63,7 @@ class Cost:
     steps: int
     evaluations: int
     switches: int = 0
-    level: str = "coordinates"
+    formulation: str = "coordinates"
     cpu: float = 0.0
 
     @property
@@ -73,7 +73,7 @@ class Cost:
 
     def __str__(self) -> str:
         return (
-            f"{self.method} ({self.reason}), in {self.level}, tol {self.tolerance:.1e}: "
+            f"{self.method} ({self.reason}), in {self.formulation}, tol {self.tolerance:.1e}: "
             f"set-up {self.setup:.2f} s, "
             f"run {self.run:.3g} s, {self.steps} steps, {self.evaluations} evaluations"
             + (f", {self.switches} changes of chart or of side" if self.switches else "")

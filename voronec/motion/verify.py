@@ -23,15 +23,23 @@ from voronec.algebra.numeric_functions import elementary
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.claims import right_of
 from voronec.equations.motions import Motions
-from voronec.equations.program import Program, compile_program
+from voronec.equations.program import Program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import VoronecError
-from voronec.motion.model.special import is_many_valued
+from voronec.motion.formulation import is_many_valued
 from voronec.motion.observables import evaluate_extras
-from voronec.motion.state_probe import at_each, changes, usual_size
+from voronec.motion.state_probe import changes, usual_size
 from voronec.motion.step_defects import program_rates, strayed_rows, wrong_steps
-from voronec.motion.steppers.run import Run, Signals, values_along
-from voronec.motion.steppers.samples import OwnedSamples, Rates, StepSamples, by_owner, spread
+from voronec.motion.steppers import (
+    OwnedSamples,
+    Rates,
+    Run,
+    Signals,
+    StepSamples,
+    by_owner,
+    spread,
+    values_along,
+)
 from voronec.motion.tolerances import LOOSE, UNIT
 from voronec.motion.trajectory import Trajectory
 
@@ -369,13 +377,14 @@ class CheckOfMany:
 
     def breaches(
         self, t: np.ndarray, states: np.ndarray, values: np.ndarray, steps: float,
-        samples: Sequence[OwnedSamples],
+        samples: Sequence[OwnedSamples], series: Mapping[str, np.ndarray],
     ) -> tuple[dict[int, Breach], dict[int, tuple[str, ...]]]:  # fmt: skip
         """What went wrong with which motion, and what is to be said of mere claims: states
-        (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps; each took so many."""
+        (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps, each took so many; and
+        the extra quantities (m, k) there."""
         notes, found = dict[int, tuple[str, ...]](), dict[int, Breach]()
         breaches = [*self._disobedient(t, states, values, samples)]
-        for i, name in self._drifts_at(t, states, values):
+        for i, name in self._drifts_at(series):
             whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
             one = SolutionCheck(
                 self.equations, self.program, values[i].tolist(), self.tol, int(steps), own, {}
@@ -389,13 +398,8 @@ class CheckOfMany:
                 found[i] = breach
         return found, notes
 
-    def _drifts_at(
-        self, t: np.ndarray, states: np.ndarray, values: np.ndarray
-    ) -> Iterator[tuple[int, str]]:
+    def _drifts_at(self, series: Mapping[str, np.ndarray]) -> Iterator[tuple[int, str]]:
         """The motions of which an integral may be lost, and its name."""
-        each = np.broadcast_to(values[:, None, :], (*states.shape[:2], values.shape[-1]))
-        extras = compile_program(self.program)[1]
-        series = at_each(extras, self.program.names, t, states, each)
         for name, key in self.integrals.items():
             start = series[key][:, :1]
             allowed = LOOSE * max(self.tol, UNIT) * FREE * np.abs(start)

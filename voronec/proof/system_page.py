@@ -1,4 +1,5 @@
-"""A page on one system, in Markdown: what it is, what is claimed of it, how it is related."""
+"""A page on one system, in Markdown: its equations, a motion, what is claimed of it, how it is
+related, and how it is defined."""
 
 from __future__ import annotations
 
@@ -64,11 +65,11 @@ def system_page(
     parts = [
         f"# {system.title or system.name}",
         f"`{system.name}`. {system.description}",
-        *_definition(system),
         *_equations(system),
+        *_motions(system),
         *_claims(system, found),
         *_relations(system, relations),
-        *_scenes(system),
+        *_definition(system),
         "## References",
         *(f"- {citation(entry)}" for entry in bibliography.values()),
         f"Made from the system by `python tools/build.py pages`; `voronec check {system.name}` "
@@ -249,7 +250,7 @@ def _formula(show: _Formulas, claim: Any) -> str:
     return show(claim)
 
 
-# -- relations and scenes -----------------------------------------------------------------
+# -- relations and motions ----------------------------------------------------------------
 
 
 def _relations(system: System, relations: Sequence[Result]) -> Iterator[str]:
@@ -269,13 +270,14 @@ def _link(name: str, here: System) -> str:
     return f"`{name}`" if name == here.name else f"[{name}]({name.partition('@')[0]}.md)"
 
 
-def _scenes(system: System) -> Iterator[str]:
+def _motions(system: System) -> Iterator[str]:
     if not system.scenes:
         return
-    yield "## Scenes"
+    yield "## Motions"
+    command = "view" if system.shapes else "run"
     for name, scene in system.scenes.items():
         flag = "" if name == "default" else f" --scene {name}"
-        yield f"- `voronec run {system.name}{flag}`: {scene.caption}"
+        yield f"- `voronec {command} {system.name}{flag}`: {scene.caption}"
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -7,28 +7,25 @@ another.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import pickle
-import signal
-import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
-from functools import lru_cache
+from contextlib import contextmanager
+from functools import lru_cache, partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from voronec.declaration.worker_processes import GUARD, ProcessEnd, Team, pack
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, quote
 from voronec.motion.storage import require_library
 from voronec.sweeps.records import ChunkResult, Task
 
-GUARD = "call vo.sweep under if __name__ == '__main__':, since its processes read the script"
+MEND = "record functions that a module defines, or use jobs=1"
 WINDOW = 128
 """So many chunks at most are with an executor at a time: they and their results take memory."""
 DEATHS = 5
@@ -53,15 +50,26 @@ def compute_here(
         yield portion.chunk, task.compute(portion.columns, portion.rows, progress)
 
 
-def spread(
-    task: Task, portions: Iterable[Portion], executor: Executor | OwnProcesses
-) -> Iterator[tuple[int, ChunkResult]]:
-    """Chunks computed by an executor, in the order in which they come back.
+Submit = Callable[[Portion], Future[ChunkResult]]
 
-    An error of voronec's is raised; ``DefinitionError`` where the task cannot go to other
-    processes, ``EngineLimit`` where workers die again and again.
+
+def submit_to(executor: Executor, task: Task) -> Submit:
+    """What gives chunks to an executor; ``DefinitionError`` where the task cannot go there."""
+    packed = pack(task, MEND)
+    return lambda portion: executor.submit(_work, packed, portion)
+
+
+def own_processes(jobs: int, task: Task) -> Team:
+    """So many processes of this machine; ``DefinitionError`` where the task cannot go there."""
+    return Team(jobs, partial(_work, pack(task, MEND)))
+
+
+def spread(portions: Iterable[Portion], submit: Submit) -> Iterator[tuple[int, ChunkResult]]:
+    """Chunks computed by whoever they are given to, in the order in which they come back.
+
+    An error of voronec's is raised, ``EngineLimit`` where workers die again and again.
     """
-    packed, left = _pack(task), iter(portions)
+    left = iter(portions)
     waiting: dict[Future[ChunkResult], tuple[Portion, int]] = {}
     again: list[Portion] = []
     deaths = generation = 0
@@ -69,7 +77,7 @@ def spread(
     try:
         while True:
             for portion in (*again, *islice(left, max(0, WINDOW - len(waiting) - len(again)))):
-                waiting[executor.submit(_work, packed, portion)] = portion, generation
+                waiting[submit(portion)] = portion, generation
             again.clear()
             if not waiting:
                 return
@@ -77,11 +85,11 @@ def spread(
                 portion, born = waiting.pop(future)
                 try:
                     found = future.result()
-                except VoronecError:
-                    raise
                 except Exception as error:
+                    if isinstance(error, VoronecError) and not isinstance(error, ProcessEnd):
+                        raise
                     again.append(portion)
-                    # a death takes all chunks of a pool with it, and is counted once
+                    # a death may take several chunks with it, and is counted once
                     deaths += born == generation
                     generation += born == generation
                     if deaths > (DEATHS if fruitful else 1):
@@ -97,22 +105,12 @@ def spread(
 
 
 def _loss(error: Exception, fruitful: bool) -> VoronecError:
-    if isinstance(error, BrokenProcessPool) and not fruitful:
+    if isinstance(error, ProcessEnd | BrokenProcessPool) and not fruitful:
         return DefinitionError(f"the processes end before they have done anything; {GUARD}")
     return EngineLimit(
         f"the executor computes no more: {quote(f'{type(error).__name__}: {error}')}; what is "
         "finished is kept, and the same call goes on"
     )
-
-
-def _pack(task: Task) -> bytes:
-    try:
-        return pickle.dumps(task)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        raise DefinitionError(
-            f"this cannot go to other processes: {error}; record functions that a module defines, "
-            "or use jobs=1"
-        ) from None
 
 
 @lru_cache(maxsize=2)
@@ -129,57 +127,6 @@ _ONE_AT_A_TIME = threading.Lock()
 def _work(packed: bytes, portion: Portion) -> ChunkResult:
     with _ONE_AT_A_TIME:
         return _unpack(packed).compute(portion.columns, portion.rows)
-
-
-class OwnProcesses:
-    """An executor of so many processes, each set up once; where one dies, all are started anew.
-
-    They end with this process, however that ends, and with ``end`` at once: each listens to a pipe.
-    """
-
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
-        self._pool: ProcessPoolExecutor | None = None
-        self._listening, self._held = multiprocessing.Pipe(duplex=False)
-
-    def submit(self, work: Callable[..., Any], *given: Any) -> Future[Any]:
-        """As ``Executor.submit``."""
-        with suppress(BrokenProcessPool):
-            return self._executor().submit(work, *given)
-        self._pool = None
-        return self._executor().submit(work, *given)
-
-    def _executor(self) -> ProcessPoolExecutor:
-        if self._pool is None:
-            # spawned, not forked: the same on every platform, and no thread of a library is lost
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(self.jobs, context, _listen, (self._listening,))
-        return self._pool
-
-    def end(self) -> None:
-        """End the processes, whatever they are at."""
-        self._held.close()
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-
-
-def _listen(pipe: Any) -> None:
-    """In a new process: end when the pipe does; Ctrl-C is for the process of the sweep."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    def last() -> None:
-        with suppress(EOFError, OSError):
-            pipe.recv()
-        os._exit(1)
-
-    threading.Thread(target=last, daemon=True).start()
-
-
-def stop_reimport() -> None:
-    """End a process that reads the script which started it, and came to its sweep: the sweep itself
-    tells why."""
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        sys.exit(1)
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from voronec.declaration.whole_files import lock_file, unwritable, workshop
-from voronec.errors import DefinitionError, did_you_mean, quote
+from voronec.errors import DefinitionError, quote
 from voronec.motion.storage import array_key, attributes_of, require_library
 from voronec.sweeps.plan import SweepPlan
 from voronec.sweeps.records import ChunkResult, RecordColumn
@@ -159,9 +159,11 @@ class Drafts:
         columns = {**found.columns, STATUS: reasons == "", REASON: reasons}
         files = {}
         for name, array in self.arrays.items():
+            if name == REASON and columns[STATUS].all():
+                continue
             array[place] = columns[name].reshape(shape)
             shard = Path(array_key(name), "c", *at)
-            if (self.made / shard).exists():  # what is empty all over, as most reasons, has none
+            if (self.made / shard).exists():  # what is empty all over has none
                 files[str(shard)] = self._move(shard)
         for name, points in found.points.items():
             part = Path(array_key(name), f"{chunk:06d}.parquet")
@@ -200,20 +202,9 @@ def require_room(path: Path, plan: SweepPlan, records: Sequence[RecordColumn]) -
     """``DefinitionError`` where the disk has no room for what a sweep is likely to write."""
     each = 16 + sum(POINT_BYTES if r.is_list else 8 for r in records)
     wanted, parent = each * len(plan), path.absolute().parent
-    free = shutil.disk_usage(parent).free if parent.is_dir() else wanted
+    free = shutil.disk_usage(parent).free if os.path.isdir(parent) else wanted
     if wanted > free:
         raise DefinitionError(
             f"{len(plan)} motions take about {wanted / 1e9:.3g} GB, and '{parent}' has "
             f"{free / 1e9:.3g} GB; record less, or choose another disk"
         )
-
-
-def read_points(path: Path, name: str) -> Any:
-    """The passages of a section of a sweep, of all finished chunks, as a ``pandas.DataFrame``."""
-    dataset, folder = require_library("pyarrow.dataset"), path / array_key(name)
-    parts = sorted(folder.glob("*.parquet"))
-    if not parts:
-        known = sorted(p.parent.name for p in path.glob("*/*.parquet"))
-        raise DefinitionError(f"'{path}' holds no passages '{name}'{did_you_mean(name, {*known})}")
-    require_library("pandas")
-    return dataset.dataset([str(p) for p in parts], format="parquet").to_table().to_pandas()

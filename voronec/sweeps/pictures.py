@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from voronec.declaration.figure_style import FAINT, INK, MARK, PALE, SOFT, WIDTH, figure_in_style
-from voronec.declaration.reading import several
 from voronec.errors import DefinitionError, did_you_mean
-from voronec.sweeps.plan import START
 
 PANELS = 6
 """Columns that are drawn where nobody names any."""
@@ -36,13 +34,18 @@ def plot_sweep(data: Any, points: Callable[[str], Any], names: Sequence[str] | N
     recorded = [str(n) for n in data.attrs["record"]]
     columns = [n for n in recorded if n in data and data[n].dtype.kind == "f"]
     lists = [n for n in recorded if n not in data]
-    shown = several([*columns, *lists][:PANELS] if names is None else names, "names", '"max(x)"')
+    shown: Sequence[str] = [*columns, *lists][:PANELS]
+    if names is not None:
+        from voronec.declaration.reading import several  # imports sympy
+
+        shown = several(names, "names", '"max(x)"')
     for name in shown:
         if name not in (*columns, *lists):
             raise DefinitionError(
                 f"the sweep has no numbers '{name}'{did_you_mean(name, columns + lists)}"
             )
-    if not data["finished"].values.any() or not shown:
+    count = int(data["finished"].values.sum())
+    if not count or not shown:
         raise DefinitionError("nothing of the sweep is finished, so there is no picture")
     wide = 2 if len(shown) > 1 else 1
     rows = -(-len(shown) // wide)
@@ -57,14 +60,14 @@ def plot_sweep(data: Any, points: Callable[[str], Any], names: Sequence[str] | N
             panel.tick_params(labelsize=8)
         for panel in panels[len(shown) :]:
             panel.set_visible(False)
-        title, count = data.attrs["title"] or data.attrs["system"], data["finished"].values.sum()
+        title = data.attrs["title"] or data.attrs["system"]
         figure.suptitle(f"{title}: {count} motions", fontsize=10)
     return figure
 
 
 def _column(figure: Any, panel: Any, column: Any, name: str) -> None:
     """A column over the axes of the grid that have several places, as many as fit a panel."""
-    axes = [d for d in column.dims if d != START and column.sizes[d] > 1][:2]
+    axes = [d for d in column.dims if d in column.coords and column.sizes[d] > 1][:2]
     rest = [d for d in column.dims if d not in axes]
     values = np.moveaxis(column.values, [column.dims.index(d) for d in axes], range(len(axes)))
     values = values.reshape(*values.shape[: len(axes)], -1)

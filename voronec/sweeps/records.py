@@ -1,9 +1,10 @@
 """What is recorded of the motions of a sweep, and how the numbers of a chunk are computed.
 
 A record is a quantity at the end, its largest or least value at the instants, the drift of an
-integral, the time of an event, the passages of a section, the class of a trace, or a function of a
-trajectory.  Each is a column, called as it is asked for: ``final(x)``, ``max(x)``,
-``drift(energy)``, ``time(x=1)``, ``section(x=0)``, ``class(ball)``.
+integral, the time of an event, the passages of a section, the class of a trace, the largest
+Lyapunov exponents with their bars, or a function of a trajectory.  Each is a column, called as it
+is asked for: ``final(x)``, ``max(x)``, ``drift(energy)``, ``time(x=1)``, ``section(x=0)``,
+``class(ball)``, ``exponents(2)``.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import exact_number
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
+from voronec.dynamics.exponents import exponents
 from voronec.errors import DefinitionError, VoronecError, did_you_mean, quote
 from voronec.motion.closed_form import closed_form
 from voronec.motion.ensembles import ensemble
@@ -26,8 +28,9 @@ from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Namespace, quantity
 from voronec.motion.sections import section
 
-FORM = re.compile(r"(final|max|min|drift|time|section|class)(?:\((.*)\))?", re.DOTALL)
+FORM = re.compile(r"(final|max|min|drift|time|section|class|exponents)(?:\((.*)\))?", re.DOTALL)
 EXTREMES: Mapping[str, Any] = {"max": np.fmax.reduce, "min": np.fmin.reduce}
+MOST_EXPONENTS = 100
 MOST_POINTS = 1000
 """Passages of a section that a motion gives at most."""
 
@@ -95,6 +98,12 @@ def _read(namespace: Namespace, one: Any) -> list[RecordColumn]:
     kind, inside = (form[1], form[2]) if form else ("final", one)
     if kind in ("time", "section"):
         return [_surface(namespace, kind, inside or "", one)]
+    if kind == "exponents":
+        count = inside or "1"
+        if not count.isdecimal() or not 0 < int(count) <= MOST_EXPONENTS:
+            raise DefinitionError(f"record '{one}': say how many, as in 'exponents(2)'")
+        return [RecordColumn(f"{what}({j + 1})", kind, (what, j), value=float(count))
+                for what in ("exponent", "bar") for j in range(int(count))]  # fmt: skip
     if kind == "drift":
         known = _among(inside, [*system.integrals], f"system '{system.name}': integral")
         return [RecordColumn(f"drift({n})", kind, n) for n in known]
@@ -160,6 +169,8 @@ class Task:
         for record in self.records:
             if record.kind in ("time", "section"):
                 self._passages(record, given, rows, found, reasons, points)
+        if wanted := [r for r in self.records if r.kind == "exponents"]:
+            self._exponents(wanted, given, found, reasons)
         if alone := [r for r in self.records if r.kind in ("class", "function")]:
             for r in alone:
                 empty = ("", object) if r.is_text else (np.nan, float)
@@ -167,7 +178,8 @@ class Task:
             for i in range(len(rows)):
                 row = {n: x[i].item() for n, x in columns.items()}
                 self._alone(alone, i, row, found, reasons)
-        told = np.array([reasons.get(i, "") for i in range(len(rows))], dtype=object)
+        told = np.full(len(rows), "", dtype=object)
+        told[[*reasons]] = [*reasons.values()]
         for column in found.values():
             column[told != ""] = "" if column.dtype == object else np.nan
         order = [r.column for r in self.records if not r.is_list]
@@ -227,6 +239,23 @@ class Task:
         else:
             held = {name: run[name] for name in run.outputs}
             points[record.column] = {"row": rows[run.start], "t": run.t, **held}
+
+    def _exponents(
+        self, records: Sequence[RecordColumn], given: Any, found: Any, reasons: dict[int, str]
+    ) -> None:
+        """The largest exponents and their bars, followed over the times of the sweep at most."""
+        run = exponents(
+            self.system, self.scene, starts=given["starts"], parameters=given["parameters"],
+            count=int(max(r.value for r in records)), until=float(np.ptp(self.times)),
+            inputs=self.inputs or None,
+        )  # fmt: skip
+        if run.interrupted:
+            raise KeyboardInterrupt
+        for i, error in run.errors.items():
+            reasons.setdefault(i, str(error))
+        for record in records:
+            what, j = record.of
+            found[record.column] = (run.values if what == "exponent" else run.bars)[:, j].copy()
 
     def _alone(
         self, records: Sequence[RecordColumn], i: int, row: Mapping[str, float], found: Any,

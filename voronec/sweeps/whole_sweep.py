@@ -1,14 +1,14 @@
-"""A sweep over many motions, computed chunk by chunk into a folder, and what there is of it."""
+"""A sweep over many motions, computed chunk by chunk into a folder."""
 
 from __future__ import annotations
 
 import inspect
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from contextlib import closing
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -25,33 +25,31 @@ from voronec.algebra.arguments import (
     TOLERANCE,
     VALUES,
     accepts,
-    require,
 )
 from voronec.declaration.system import System, require_system
+from voronec.declaration.worker_processes import stop_reimport
 from voronec.errors import DefinitionError
 from voronec.motion.batches import require_method
+from voronec.motion.formulation import DYNAMIC_FIELDS, spell
 from voronec.motion.inputs import drive
-from voronec.motion.model.model_cache import DYNAMIC_FIELDS, spell
 from voronec.motion.request import Namespace, grid_of, scene_of
 from voronec.motion.sections import starts_alike
 from voronec.motion.storage import (
-    NamedArrays,
-    attributes_of,
     header_of,
     meanings_of,
     require_library,
     versions,
 )
-from voronec.motion.storage import open as open_saved
 from voronec.motion.tolerances import EXACT
 from voronec.sweeps.engines import (
-    OwnProcesses,
     Portion,
     compute_here,
+    own_processes,
     spread,
-    stop_reimport,
+    submit_to,
 )
 from voronec.sweeps.folder import SweepFolder, require_room
+from voronec.sweeps.kept_sweep import Sweep
 from voronec.sweeps.plan import SweepPlan, make_plan
 from voronec.sweeps.records import EXTREMES, ChunkResult, RecordColumn, Task, read_records
 
@@ -66,76 +64,6 @@ WORTH = 10.0
 
 
 SOME = replace(COUNT, optional=True)
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """The folder of a sweep, finished or not: ``Sweep("run.zarr")`` is one that is there.
-
-    ``interrupted`` says that the call which returned it was stopped by hand.
-    """
-
-    path: Path
-    interrupted: bool = False
-
-    def __post_init__(self) -> None:
-        require("Sweep", "path", self.path, PATH)
-        object.__setattr__(self, "path", Path(self.path))
-        if attributes_of(self.path).get("kind") != "Sweep":
-            raise DefinitionError(f"'{self.path}' is no folder of a sweep")
-
-    def to_xarray(self) -> Any:
-        """The numbers as an ``xarray.Dataset``, read when they are asked for; its axes are those of
-        the grid, and ``start``."""
-        return open_saved(self.path)
-
-    def to_pandas(self) -> Any:
-        """The numbers as a ``pandas.DataFrame``, a row for each motion."""
-        return self._arrays().to_pandas()
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the numbers once more, to one file or folder, as ``Trajectory.save`` does."""
-        return self._arrays().save(path)
-
-    def _arrays(self) -> NamedArrays:
-        data = self.to_xarray().load()
-        held = {n: x.values for n, x in data.variables.items()}
-        held |= {n: np.array(x.tolist()) for n, x in held.items() if x.dtype.kind in "OT"}
-        variables = {str(n): (tuple(data[n].dims), x) for n, x in held.items()}
-        meanings = {n: x.attrs["long_name"] for n, x in data.variables.items() if x.attrs}
-        axes = tuple(map(str, data["finished"].dims))
-        return NamedArrays(
-            variables, axes, (*axes, *map(str, data.data_vars)), data.attrs, meanings
-        )
-
-    def points(self, name: str) -> Any:
-        """The passages of a section, ``section(x=0)``, as a ``pandas.DataFrame``: ``row`` is the
-        number of the motion in C order of the axes, ``t`` the time of the passage."""
-        from voronec.sweeps.folder import read_points
-
-        return read_points(self.path, name)
-
-    def plot(self, names: Sequence[str] | None = None) -> Any:
-        """What is recorded, by default the first columns, as a matplotlib ``Figure``: charts over
-        two parameters, curves over one, histograms of draws, clouds of points of sections."""
-        from voronec.sweeps.pictures import plot_sweep
-
-        return plot_sweep(self.to_xarray(), self.points, names)
-
-    def counts(self) -> dict[str, int]:
-        """How many ``motions`` there are, and how many of them are ``finished`` or ``failed``."""
-        data = self.to_xarray()
-        finished, failed = data["finished"].values, data["reason"].values != ""
-        return {
-            "motions": finished.size,
-            "finished": int(finished.sum()),
-            "failed": int(failed.sum()),
-        }
-
-    def __repr__(self) -> str:
-        told = ", ".join(f"{count} {what}" for what, count in self.counts().items())
-        by_hand = ", stopped by hand" if self.interrupted else ""
-        return f"Sweep({str(self.path)!r}, {told}{by_hand})"
 
 
 @accepts(
@@ -197,24 +125,27 @@ def sweep(
     target = Path(out)
     if target.suffix != ".zarr":
         raise DefinitionError(f"out = '{target}': the folder of a sweep must end in .zarr")
-    if resume and not target.exists():
+    is_there = os.path.exists(target)  # false, too, where nobody may look
+    if resume and not is_there:
         raise DefinitionError(f"there is no sweep '{target}' to go on with")
     require_method(method)
     task = _task(declared, record, times, scene, parameters, initial, inputs, method, tol)
     plan = _plan(task, grid, starts, seed, chunk)
-    folder = _folder(target, plan, task, seed)
+    digests = _digests(plan, task, seed)
+    whole = sha256(repr(sorted(digests.items())).encode()).hexdigest()
+    folder = SweepFolder(target, plan, task.records, whole)
     header = header_of(
-        declared, "Sweep", digest=folder.digest, digests=_digests(plan, task, seed), seed=seed,
+        declared, "Sweep", digest=whole, digests=digests, seed=seed,
         record=[r.column for r in task.records], scene=task.scene, method=method, tolerance=tol,
         times=task.times.tolist(), parameters=str(task.parameters), initial=str(task.initial),
         machine=platform.machine(), lanes=_lanes(), chunk=list(plan.box),
     )  # fmt: skip
-    if not target.exists():
+    if not is_there:
         require_room(target, plan, task.records)
     with folder.drafts(header, meanings_of(declared)) as drafts:
         work = _SweepWork(task, plan, folder.kept_chunks(), progress)
         try:
-            with _engine(work, executor, jobs) as results:
+            with closing(_results(work, executor, jobs)) as results:
                 for number, found in results:
                     drafts.keep(number, found)
                     work.tell(number)
@@ -281,8 +212,8 @@ def _digests(plan: SweepPlan, task: Task, seed: int) -> dict[str, str]:
     parts: dict[str, Any] = {
         "system": [system.name, spell([getattr(system, n) for n in DYNAMIC_FIELDS])],
         "scene": [task.scene, spell(scene)],
-        "grid": [(n, x.tobytes()) for n, x in plan.axes.items()],
-        "starts": [(n, x.tobytes()) for n, x in plan.starts.items()],
+        "grid": [(n, sha256(x.tobytes()).digest()) for n, x in plan.axes.items()],
+        "starts": [(n, sha256(x.tobytes()).digest()) for n, x in plan.starts.items()],
         "record": [(r.column, r.kind, r.value, _source(r)) for r in task.records],
         "times": task.times.tobytes(),
         "parameters": spell(task.parameters), "initial": spell(task.initial),
@@ -300,11 +231,6 @@ def _source(record: RecordColumn) -> str:
         return inspect.getsource(record.of)
     except (OSError, TypeError):
         return getattr(record.of, "__qualname__", type(record.of).__qualname__)
-
-
-def _folder(target: Path, plan: SweepPlan, task: Task, seed: int) -> SweepFolder:
-    said = repr(sorted(_digests(plan, task, seed).items()))
-    return SweepFolder(target, plan, task.records, sha256(said.encode()).hexdigest())
 
 
 class _SweepWork:
@@ -328,31 +254,29 @@ class _SweepWork:
             self._progress(min(1.0, self._done / len(self.plan) + share))
 
 
-@contextmanager
-def _engine(
-    work: _SweepWork, executor: Any, jobs: int | None
-) -> Iterator[Iterator[tuple[int, ChunkResult]]]:
+def _results(
+    work: _SweepWork, executor: Executor | None, jobs: int | None
+) -> Generator[tuple[int, ChunkResult], None, None]:
     """The results of the chunks that are left, from whoever computes them."""
     portions = work.portions()
     if executor is not None:
-        yield spread(work.task, portions, executor)
+        yield from spread(portions, submit_to(executor, work.task))
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    own = OwnProcesses(min(jobs or cores or 1, max(1, len(work.left) - 1)))
-
-    def results() -> Iterator[tuple[int, ChunkResult]]:
-        each = work.plan.size / len(work.plan)
-        here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
-        began = perf_counter()
-        for done, found in enumerate(here, start=1):
-            yield found
-            spent = (perf_counter() - began) / done
-            # those of this process are in no hurry to be followed by others that have to start
-            if own.jobs > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
-                yield from spread(work.task, portions, own)
-                return
-
+    own = min(jobs or cores or 1, max(1, len(work.left) - 1))
+    each = work.plan.size / len(work.plan)
+    here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
+    began = perf_counter()
+    for done, found in enumerate(here, start=1):
+        yield found
+        spent = (perf_counter() - began) / done
+        # those of this process are in no hurry to be followed by others that have to start
+        if own > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
+            break
+    else:
+        return
+    team = own_processes(own, work.task)
     try:
-        yield results()
+        yield from spread(portions, team.submit)
     finally:
-        own.end()
+        team.end()

@@ -33,7 +33,7 @@ STAGES = {
         "/voronec/equations/program/low_rank",
     ),
     "code": ("/voronec/equations/program/",),
-    "choice of the model": ("/voronec/motion/model/", "/voronec/motion/numeric_model"),
+    "choice of the model": ("/voronec/motion/formulation/", "/voronec/motion/numeric_model"),
     "derivation": ("/voronec/equations/",),
     "checks": (
         "/voronec/motion/verify", "/voronec/motion/step_defects", "/voronec/motion/state_probe",

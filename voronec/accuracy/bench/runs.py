@@ -94,7 +94,6 @@ OWN = (
     _own("scipy", "scipy's DOP853, smallest model"),
     _own("numba", "DOP853 compiled, smallest model"),
     _own("c", "the same by the C compiler"),
-    _own("python", "the same in Python alone"),
     _own("lsoda", "scipy's LSODA, smallest model"),
     _own(CLOSED_FORM, "the motion in closed form, evaluated"),
     _own("flint", "Taylor method in any precision"),

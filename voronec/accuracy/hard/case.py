@@ -10,7 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.problem import ProblemLevel, ReferenceProblem, level, precise_number
+from voronec.accuracy.problem import (
+    ProblemFormulation,
+    ReferenceProblem,
+    formulation,
+    precise_number,
+)
 from voronec.algebra.arguments import COUNT, SEQUENCE, TEXT, require
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene
@@ -36,7 +41,7 @@ class HardCase:
         outputs; every output is compared, and the caption says what is hard.
     points
         how many instants of the span are compared, the start included.
-    level
+    formulation
         where the reference is computed: ``coordinates``, ``invariants`` (free of poles), or ``""``
         where no motion starts and only a refusal is right.
     period
@@ -55,21 +60,23 @@ class HardCase:
     system: str
     scene: Scene
     points: int = 41
-    level: str = "coordinates"
+    formulation: str = "coordinates"
     period: str = ""
     arithmetic: str = "quadruple"
     methods: tuple[str, ...] = ("heyoka", "scipy", "lsoda")
     chaotic: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("name", "system", "level", "period", "arithmetic"):
+        for name in ("name", "system", "formulation", "period", "arithmetic"):
             require("hard case", name, getattr(self, name), TEXT)
         require(f"hard case '{self.name}'", "points", self.points, COUNT)
         require(f"hard case '{self.name}'", "methods", self.methods, SEQUENCE)
         if not isinstance(self.scene, Scene):
             raise self._wrong(f"scene = {quote(self.scene)}", "a voronec.Scene")
-        if self.level not in ("coordinates", "invariants", ""):
-            raise self._wrong(f"level = '{self.level}'", "coordinates, invariants or ''")
+        if self.formulation not in ("coordinates", "invariants", ""):
+            raise self._wrong(
+                f"formulation = '{self.formulation}'", "coordinates, invariants or ''"
+            )
         if self.arithmetic not in ARITHMETICS:
             raise self._wrong(f"arithmetic = '{self.arithmetic}'", " or ".join(ARITHMETICS))
         if unknown := [m for m in self.methods if m not in [*METHODS]]:
@@ -97,18 +104,20 @@ class HardCase:
     def digest(self) -> str:
         """A digest of all that the reference depends on."""
         scene = self.scene
-        told: list[Any] = [self.system, self.points, self.level, self.period, self.arithmetic]
+        told: list[Any] = [self.system, self.points, self.formulation, self.period, self.arithmetic]
         told += [*map(str, scene.times), *map(str, scene.outputs)]
         for mapping in (scene.initial, scene.parameters):
             told.append(sorted((str(k), str(v)) for k, v in mapping.items()))
         return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
 
 
-def case_level(case: HardCase, equations: VoronecEquations, raw: bool = False) -> ProblemLevel:
-    """The problem of a case on its level, on coordinates by the cheapest form of the equations;
-    ``raw`` takes the unsimplified form, an independent program."""
-    problem, high = _problem(case, equations), case.level == "coordinates"
-    at = level(problem, case.level, equations.raw.form if raw and high else None)
+def case_formulation(
+    case: HardCase, equations: VoronecEquations, raw: bool = False
+) -> ProblemFormulation:
+    """The problem of a case in its formulation, on coordinates by the cheapest form of the
+    equations; ``raw`` takes the unsimplified form, an independent program."""
+    problem, high = _problem(case, equations), case.formulation == "coordinates"
+    at = formulation(problem, case.formulation, equations.raw.form if raw and high else None)
     state = {str(s) for s in at.program.state}
     for key in problem.initial:
         if high and key not in state:

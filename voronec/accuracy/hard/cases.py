@@ -56,26 +56,26 @@ POLES = (
         Scene(_spinning_start(2, 2, 0, 0) | {"theta": 0, "v": sp.pi / 2}, (0, 10), {}, BALL,
               "The contact runs along a meridian through both poles of the ball; in angles the "
               "equations have poles on the way."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "past-the-pole-of-the-ball", "gyroscopic-ball-on-sphere",
         Scene(_spinning_start(R(1, 10**8), R(1, 2), 1, 1), (0, 20), {}, BALL,
               "A ball with a gyroscope starts 1e-8 from the pole of its coordinates."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "past-the-pole-of-the-sphere", "ball-on-sphere",
         Scene(_spinning_start(2, R(1, 2), 1, 1) | {"u1": R(1, 10**6)}, (0, 20), {}, BALL,
               "The contact starts 1e-6 from the pole of the fixed sphere, and nothing that is "
               "wanted knows of it."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "start-at-the-pole", "ball-on-sphere",
         Scene(_spinning_start(0, R(1, 2), 1, 1), (0, 20), {}, BALL,
               "The start is the pole itself: the angles are undefined there, the motion is not."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "angles-from-the-pole", "ball-on-sphere",
@@ -83,7 +83,7 @@ POLES = (
               CONTACT_ON_SPHERE,
               "The same start, and what is wanted is written in the angles: the contact leaves the "
               "pole along a meridian of its own, whatever v the start names."),
-        level="invariants",
+        formulation="invariants",
     ),
 )  # fmt: skip
 """Passing the poles of C. Neumann's coordinates: the motion is smooth there, its angles are not."""
@@ -102,7 +102,7 @@ GROWTH = (
               (0, 100), {}, BALL,
               "Chaplygin's ball turns about its middle axis, almost: it turns over at long "
               "intervals, each time from 1e-8 of the separatrix."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "repelling-turning", "suslov",
@@ -110,14 +110,14 @@ GROWTH = (
               ("omega1", "omega2", "gamma1", "gamma2", "gamma3"),
               "Suslov's body starts 1e-9 from a steady turning that repels, and goes over to the "
               "one that attracts."),
-        level="invariants",
+        formulation="invariants",
     ),
     HardCase(
         "chaotic-ball", "ball-on-sphere",
         Scene({"u": 2, "theta": 1, "u1": 1, "omega1": R(1, 2), "omega2": 3, "omega3": 1},
               (0, 200), {"I1": R(1, 5), "I2": R(1, 2), "I3": R(13, 20)}, BALL,
               "A non-symmetric ball on a sphere, which is not integrable."),
-        points=101, level="invariants", chaotic=True, arithmetic="extended",
+        points=101, formulation="invariants", chaotic=True, arithmetic="extended",
     ),
     HardCase(
         "chaotic-sleigh", "sleigh-on-turntable",
@@ -185,19 +185,19 @@ LIMITS = (
         Scene(BALL_START, (0, R(1, 4)), {"R1": -R(10001, 10000)}, BALL,
               "A ball in a hollow that is larger by 1e-4 only: epsilon is 1e4, and the contact "
               "runs round 1e4 times faster than the ball turns."),
-        level="invariants", arithmetic="extended",
+        formulation="invariants", arithmetic="extended",
     ),
     HardCase(
         "equal-radii", "ball-on-sphere",
         Scene(BALL_START, (0, 1), {"R1": -1}, BALL,
               "The ball fills its hollow: epsilon is infinite, and no motion of this kind exists."),
-        level="",
+        formulation="",
     ),
     HardCase(
         "nearly-a-plane", "ball-on-sphere",
         Scene(BALL_START, (0, 40), {"R1": 10**9}, BALL,
               "A sphere 1e9 times as large as the ball: epsilon - 1 is 1e-9."),
-        level="invariants", arithmetic="extended",
+        formulation="invariants", arithmetic="extended",
     ),
     HardCase(
         "trace-on-nearly-a-plane", "demchenko",
@@ -209,20 +209,20 @@ LIMITS = (
         "nearly-symmetric", "ball-on-sphere",
         Scene(BALL_START, (0, 100), {"I1": R(2, 5), "I2": R(2, 5) + R(1, 10**9)}, BALL,
               "Two moments of inertia differ by 1e-9."),
-        level="invariants", arithmetic="extended",
+        formulation="invariants", arithmetic="extended",
     ),
     HardCase(
         "nearly-zhukovsky", "symmetric-gyroscopic-ball-on-sphere",
         Scene(BALL_START, (0, 40), {"C": R(2, 5) + R(1, 10**9)}, BALL,
               "Zhukovsky's condition is missed by 1e-9: closed formulas divide by C - A."),
-        level="invariants", arithmetic="extended",
+        formulation="invariants", arithmetic="extended",
     ),
     HardCase(
         "rod-like-inertia", "ball-on-sphere",
         Scene(BALL_START, (0, 10), {"I1": R(1, 10**6), "I2": R(1, 2), "I3": R(1, 2)}, BALL,
               "One moment of inertia is 1e-6 of the others: the mass matrix is nearly singular "
               "where the contact is on that axis."),
-        level="invariants", arithmetic="extended",
+        formulation="invariants", arithmetic="extended",
     ),
     HardCase(
         "point-like-inertia", "demchenko",
@@ -261,7 +261,7 @@ SPANS = (
         "long-and-not-periodic", "ball-on-sphere",
         Scene(BALL_START, (0, 1000), {}, BALL,
               "A non-symmetric ball on a sphere for 1000 units: not periodic, not integrable."),
-        points=51, level="invariants", arithmetic="extended", methods=("heyoka",),
+        points=51, formulation="invariants", arithmetic="extended", methods=("heyoka",),
     ),
 )  # fmt: skip
 """Long times: 1e5 and 1e6 units."""

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from voronec.accuracy.hard.case import ARITHMETICS, HardCase, case_level
+from voronec.accuracy.hard.case import ARITHMETICS, HardCase, case_formulation
 from voronec.accuracy.precise_motion import (
     PreciseIntegrator,
     PreciseMotion,
@@ -30,7 +30,7 @@ from voronec.accuracy.precise_motion import (
     sizes,
     times,
 )
-from voronec.accuracy.problem import ProblemLevel
+from voronec.accuracy.problem import ProblemFormulation
 from voronec.accuracy.reference import closed_form_values, taylor_values
 from voronec.accuracy.solution import ReferenceSolution, agreement, output_sizes
 from voronec.declaration.catalogue import load
@@ -104,7 +104,7 @@ class OnePeriod:
         """The outputs at the wanted instants."""
         return self.passage.outputs[list(self.places)]
 
-    def condition_numbers(self, problem: ProblemLevel) -> np.ndarray:
+    def condition_numbers(self, problem: ProblemFormulation) -> np.ndarray:
         """kappa as in ``conditioning``, errors made after 0, 1, 2, 4, ... and all periods."""
         passage, scale = self.passage, output_sizes(self.passage.outputs)
         size = sizes(problem, passage.states)
@@ -175,12 +175,12 @@ def _stored_references() -> dict[str, Any]:
 def compute(case: HardCase, equations: VoronecEquations | None = None) -> ReferenceSolution:
     """The reference of a case by two runs in many digits, and its condition numbers."""
     equations = equations or derive(load(case.system))
-    asked = case_level(case, equations)
+    asked = case_formulation(case, equations)
     if METHODS["heyoka"].absence:
         return changed_data_reference(case, equations)
     outputs, condition = _first_run(case, asked)
     names = asked.program.names
-    name = f"{ARITHMETICS[case.arithmetic]} digits on {case.level}"
+    name = f"{ARITHMETICS[case.arithmetic]} digits on {case.formulation}"
     first = (name, _by_name(asked, outputs))
     found = _agreement(case, first, _second_run(case, equations, asked))
     return replace(found, condition=dict(zip(names, condition.T, strict=True)))
@@ -201,12 +201,12 @@ def _agreement(
     return found
 
 
-def _by_name(asked: ProblemLevel, outputs: np.ndarray) -> dict[str, np.ndarray]:
+def _by_name(asked: ProblemFormulation, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """Outputs (k, m) by name."""
     return dict(zip(asked.program.names, outputs.T, strict=True))
 
 
-def _first_run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndarray]:
+def _first_run(case: HardCase, asked: ProblemFormulation) -> tuple[np.ndarray, np.ndarray]:
     """Outputs (k, m) and condition numbers (k, m)."""
     tol = TOLERANCES[case.arithmetic][0]
     machine = precise_integrator(asked, tol)
@@ -217,14 +217,16 @@ def _first_run(case: HardCase, asked: ProblemLevel) -> tuple[np.ndarray, np.ndar
     return whole.outputs, whole.condition_numbers(asked)
 
 
-def _case_period(case: HardCase, asked: ProblemLevel, tol: float) -> tuple[PreciseIntegrator, Any]:
+def _case_period(
+    case: HardCase, asked: ProblemFormulation, tol: float
+) -> tuple[PreciseIntegrator, Any]:
     """What follows the motion without its variations, and its period."""
     single = precise_integrator(asked, tol, varied=False)
     return single, period(single, asked.names, case.period, float(case.scene.times[1]) / 100)
 
 
 def _second_run(
-    case: HardCase, equations: VoronecEquations, asked: ProblemLevel
+    case: HardCase, equations: VoronecEquations, asked: ProblemFormulation
 ) -> tuple[str, Mapping[str, np.ndarray]]:
     """How the outputs are computed once more, as independently as may be, and the outputs."""
     tol = TOLERANCES[case.arithmetic][1]
@@ -238,9 +240,11 @@ def _second_run(
     if equations.system.motion is not None:
         with suppress(EngineLimit, IntegrationError):
             return "against the closed form", closed_form_values(asked.problem)
-    raw = case.level == "coordinates"
+    raw = case.formulation == "coordinates"
     with suppress(IntegrationError):  # a pole on the way: then at another tolerance
-        values = taylor_values(case_level(replace(case, level="coordinates"), equations, raw), tol)
+        values = taylor_values(
+            case_formulation(replace(case, formulation="coordinates"), equations, raw), tol
+        )
         if all(np.isfinite(x.astype(float)).all() for x in values.values()):
             return f"against the {'unsimplified ' if raw else ''}equations on coordinates", values
     return "against another tolerance", taylor_values(asked, tol)
@@ -257,12 +261,12 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
     lower, and the judgement stricter.  Raises ``EngineLimit`` for a case whose reference lies on
     the invariants, or counts periods.
     """
-    if case.level != "coordinates" or case.period:
+    if case.formulation != "coordinates" or case.period:
         raise EngineLimit(
             f"hard case '{case.name}' has no stored reference, and computing one takes heyoka, "
             "which is not installed; 'pip install heyoka'"
         )
-    asked = case_level(case, equations)
+    asked = case_formulation(case, equations)
 
     def run(tol: float, **changed: Any) -> Trajectory:
         return integrate(
@@ -291,7 +295,7 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
     return replace(found, condition=condition)
 
 
-def _weights(asked: ProblemLevel, run: Trajectory) -> dict[str, float]:
+def _weights(asked: ProblemFormulation, run: Trajectory) -> dict[str, float]:
     """The sizes of what may be in error: states that the outputs need, and parameters."""
     states = np.column_stack([run[name] for name in asked.names])
     weights = dict(zip(asked.names, sizes(asked, states).tolist(), strict=True))

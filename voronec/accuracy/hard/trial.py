@@ -172,11 +172,11 @@ def trials(
         equations = derived[case.system]
         found: list[Trial] = []
         try:
-            known = reference(case, equations) if case.level else None
+            known = reference(case, equations) if case.formulation else None
         except EngineLimit as limit:
             yield CaseResult(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
-        own = ("closed-form",) if case.level and equations.system.motion is not None else ()
+        own = ("closed-form",) if case.formulation and equations.system.motion is not None else ()
         there = [m for m in case.methods if not METHODS[m].absence]
         for method in methods or ("auto", "default", *there, *own):
             if any(t.automatic and t.chosen == method for t in found):

@@ -9,7 +9,7 @@ With c_k = f_k(x, c_1, ..., c_(k-1)) the slopes are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -59,6 +59,21 @@ def jacobian(program: Program) -> Block:
     entries = [row.get(x, se.Integer(0)) for row in rows for x in columns]
     known = [program.time, *columns, *program.parameters]
     return share_subexpressions(entries, fresh_names(known), assignments)
+
+
+def joint_block(
+    program: Program, block: Block, by: Sequence[Any]
+) -> tuple[Block, tuple[tuple[int, int], ...]]:
+    """The results of a block of a program, and behind them their slopes by symbols that are not
+    zero, with all subexpressions shared; and of which result by which symbol each is the slope.
+
+    ``EngineLimit`` names a function that nobody differentiates.
+    """
+    assignments, rows = _rows(block, {x: {x: se.Integer(1)} for x in by})
+    found = {(i, j): row[x] for i, row in enumerate(rows) for j, x in enumerate(by) if x in row}
+    known = [program.time, *program.state, *program.parameters, *program.inputs]
+    results = [*block.results, *found.values()]
+    return share_subexpressions(results, fresh_names(known), assignments), tuple(found)
 
 
 def flow_derivative(program: Program, block: Block) -> Block:

@@ -13,8 +13,7 @@ from typing import Any
 
 from voronec.algebra.typeset import symbol_latex
 from voronec.declaration.figure_style import FAINT, INK, PALE, SOFT, draw_arrow, figure_in_style
-from voronec.motion.model import Model
-from voronec.motion.model.level import Level, dependence
+from voronec.motion.formulation import Formulation, Model, dependence
 from voronec.motion.pictures.layered_layout import Layout, layered_layout
 
 
@@ -66,9 +65,9 @@ def _arrows(model: Model, kinds: Mapping[str, str]) -> set[tuple[str, str]]:
     return {(a, b) for a, b in found if a != b}
 
 
-def _edges(level: Level) -> set[tuple[str, str]]:
+def _edges(formulation: Formulation) -> set[tuple[str, str]]:
     """Names of variables x and y where the rate of y holds x."""
-    return {(str(x), str(y)) for y, sources in dependence(level).items() for x in sources}
+    return {(str(x), str(y)) for y, sources in dependence(formulation).items() for x in sources}
 
 
 def _cycles(kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -1,12 +1,106 @@
 """The integrators behind one shape: a problem and a grid of times in, a run out."""
 
+from voronec.motion.steppers.c_stepper import c_loop
+from voronec.motion.steppers.event_states import make_with_event_states, narrow, widen, with_parts
+from voronec.motion.steppers.feedback import MEND, ControllerFailure, Feedback
+from voronec.motion.steppers.held_steps import Leap, held_integrator
+from voronec.motion.steppers.heyoka_stepper import (
+    COMPACT,
+    LONG,
+    heyoka,
+    parameter_count,
+    taylor,
+    taylor_leap,
+    unit_parameters,
+)
+from voronec.motion.steppers.integer_taylor import digits
+from voronec.motion.steppers.numba_stepper import (
+    Loop,
+    compiled_dop853,
+    compiled_loop,
+    dop853_leap,
+    scales_of,
+)
+from voronec.motion.steppers.root_states import RootStates, digits_through_roots
 from voronec.motion.steppers.run import (
+    COLLAPSE,
+    DISTANT,
+    FAR,
+    INFINITE,
+    WINDOW,
     Integrator,
     Problem,
     Run,
+    Signal,
+    Signals,
+    StallDetector,
     Suspect,
     Termination,
+    Ticker,
+    constants_along,
+    crossing_arrays,
     cut_at_singularity,
+    exact_mpf,
+    in_kind,
+    in_parts,
+    part_at,
+    restart,
+    until,
+    values_along,
 )
+from voronec.motion.steppers.samples import (
+    NODES,
+    WIDTH,
+    OwnedSamples,
+    Rates,
+    StepSampler,
+    StepSamples,
+    by_owner,
+    series_samples,
+    spread,
+)
+from voronec.motion.steppers.scipy_stepper import (
+    TRIAL,
+    dop853,
+    dop853_steps,
+    estimated_steps,
+    lsoda,
+)
+from voronec.motion.steppers.series_reach import (
+    MANY,
+    PARTS,
+    STRIDE,
+    Field,
+    LongSteps,
+    blind_lanes,
+    field_of,
+    long_steps,
+    reach_of_series,
+    uneven_steps,
+)
+from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
+from voronec.motion.steppers.units import (
+    CHUNK,
+    SHORT,
+    TurnCount,
+    balance,
+    natural_units,
+    units_of_many,
+)
+from voronec.motion.steppers.wide_batch import Place, WideBatch
 
-__all__ = ["Integrator", "Problem", "Run", "Suspect", "Termination", "cut_at_singularity"]
+__all__ = [
+    "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "FAR", "INFINITE", "LONG", "MANY", "MEND", "NODES",
+    "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW", "ControllerFailure", "Feedback",
+    "Field", "Integrator", "IntegratorFailure", "Leap", "LongSteps", "Loop", "OwnedSamples",
+    "Place", "Problem", "Rates", "RootStates", "Run", "Segment", "Signal", "Signals",
+    "StallDetector", "StepSampler", "StepSamples", "Stride", "Suspect", "Termination", "Ticker",
+    "TurnCount", "WideBatch", "balance", "blind_lanes", "by_owner", "c_loop", "compiled_dop853",
+    "compiled_loop", "constants_along", "crossing_arrays", "cut_at_singularity", "digits",
+    "digits_through_roots", "dop853", "dop853_leap", "dop853_steps", "estimated_steps", "exact_mpf",
+    "field_of", "held_integrator", "heyoka", "in_kind", "in_parts", "long_steps", "lsoda",
+    "make_with_event_states", "narrow", "natural_units", "parameter_count", "part_at",
+    "reach_of_series", "restart", "scales_of", "series_samples", "spread", "taylor", "taylor_leap",
+    "uneven_steps", "unit_parameters", "units_of_many", "until", "values_along", "widen",
+    "with_parts",
+]  # fmt: skip

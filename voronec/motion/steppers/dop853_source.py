@@ -120,18 +120,18 @@ def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     return min(found, 1.0 if rejected else 10.0)
 
 
-def kernel_source(program: Program, levels: Program | None, whole: bool = True) -> str:
+def kernel_source(program: Program, levels: Program | None) -> str:
     """Source of ``drive``, which goes along a grid until something asks for attention.
 
     ``levels`` has the functions of events as extra quantities.  ``drive`` takes parameters of the
     program with its constants (``hoisted``), and those of ``levels``; its arrays are described in
-    ``numba_stepper``.  What is not ``whole`` calls ``growth`` and does not define it.
+    ``numba_stepper``.
     """
     parts = [scalar_source(hoist(program).program)]
     if levels is not None:
         parts.append(scalar_source(levels, extras=True))
     count = 0 if levels is None else len(levels.names)
-    parts.append(stepping_source(len(program.state), count, whole))
+    parts.append(stepping_source(len(program.state), count))
     return re.sub(r"^def ", "@jit\ndef ", "\n\n".join([_SIGN, *parts]), flags=re.MULTILINE)
 
 
@@ -141,12 +141,11 @@ def stepping_key() -> str:
     return "\n".join(Path(file).read_text(encoding="utf-8") for file in files)
 
 
-def stepping_source(n: int, m: int, whole: bool = True) -> str:
+def stepping_source(n: int, m: int) -> str:
     """Source of ``drive`` and of what it calls but ``rhs`` and ``extras``, for a state of n numbers
     and m functions of events.  ``c_stepper`` translates it too: it keeps to few words, and assigns
     numbers alone: rows of arrays would cost numba two seconds more of compiling."""
-    known = [inspect.getsource(growth)] if whole else []  # Python reads this file again for it
-    return "\n\n".join([*known, _drive(n, m)])
+    return "\n\n".join([inspect.getsource(growth), _drive(n, m)])
 
 
 def _each(line: str, count: int) -> str:

@@ -8,7 +8,8 @@ programs); by default it lets them grow to 20 GB.
 from __future__ import annotations
 
 import sys
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -19,7 +20,9 @@ import symengine as se
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.crossings import NODES, SPECK, Levels, StepCourse, crossings
+from voronec.motion.steppers.held_steps import Landing, Leap
 from voronec.motion.steppers.run import (
+    COLLAPSE,
     DISTANT,
     INFINITE,
     WINDOW,
@@ -49,7 +52,7 @@ from voronec.motion.steppers.series_reach import (
     first_reach,
     reach,
 )
-from voronec.motion.steppers.step_loop import level_function
+from voronec.motion.steppers.step_loop import IntegratorFailure, level_function
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
 AHEAD = 100_000
@@ -139,6 +142,39 @@ def taylor(problem: Problem) -> Integrator:
         return found
 
     return run
+
+
+@contextmanager
+def taylor_leap(problem: Problem) -> Iterator[Leap]:
+    """Taylor steps from a state to an instant, with parameters of their own each time."""
+    hy = heyoka()
+    pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)
+    machine = pool.take()
+    machine.place(problem, np.zeros(1))
+    ta, units, constants = machine.integrator, machine.winding.units.copy(), machine.constants
+    well, machine.parameters = hy.taylor_outcome.time_limit, None
+
+    def leap(
+        time: float, state: np.ndarray, end: float, given: Sequence[float], wanted: bool
+    ) -> Landing:
+        numbers = constants.values(given)[: len(ta.pars)]
+        ta.pars[: len(numbers)] = numbers
+        ta.time, ta.state[:] = time, state / units
+        outcome, _, _, steps, _, _ = ta.propagate_until(end, max_steps=CHUNK, write_tc=wanted)
+        if outcome != well:
+            broken = outcome == hy.taylor_outcome.err_nf_state
+            raise IntegratorFailure(INFINITE if broken else COLLAPSE)
+        samples = None
+        if wanted:
+            ends, lengths = np.array([end]), np.array([ta.last_h])
+            times, states = series_samples(ends, lengths, ta.tc[None])
+            samples = times, states * units
+        return Landing(ta.state * units, steps, steps, samples)
+
+    try:
+        yield leap
+    finally:
+        pool.at_rest.append(machine)
 
 
 @dataclass

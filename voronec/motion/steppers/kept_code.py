@@ -67,10 +67,13 @@ def kept_function(
     return _load_or_make(folder, make)
 
 
-def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL:
+def kept_library(
+    key: str, sources: Callable[[], dict[str, str]], effort: str = "-O1"
+) -> ctypes.CDLL:
     """The library that the C compiler makes of generated sources, which are files by name.
 
-    ``key`` is all that ``sources()`` depends on.  Raises ``DefinitionError`` where there is no
+    ``key`` is all that ``sources()`` depends on; ``effort`` is the compiler's word for how much it
+    optimises: more than -O1 pays only for loops.  Raises ``DefinitionError`` where there is no
     compiler, and ``EngineLimit`` where it fails.
     """
     place = shutil.which(COMPILER)
@@ -80,12 +83,12 @@ def kept_library(key: str, sources: Callable[[], dict[str, str]]) -> ctypes.CDLL
         )
     seen = os.stat(place)
     machine = (platform.platform(), platform.machine(), seen.st_size, seen.st_mtime_ns)
-    folder = user_cache("code") / sha256(f"{key}\n{machine}".encode()).hexdigest()[:24]
+    folder = user_cache("code") / sha256(f"{key}\n{effort}\n{machine}".encode()).hexdigest()[:24]
     if _is_sound(folder):
         with suppress(OSError):
             return ctypes.CDLL(str(folder / LIBRARY))
         _forget(folder, "cannot be read")
-    return _load_or_make(folder, lambda draft: _build(place, draft, sources()))
+    return _load_or_make(folder, lambda draft: _build(place, draft, sources(), effort))
 
 
 def _load_or_make(folder: Path, make: Callable[[Path], T]) -> T:
@@ -103,13 +106,13 @@ def _load_or_make(folder: Path, make: Callable[[Path], T]) -> T:
     return made
 
 
-def _build(compiler: str, draft: Path, sources: dict[str, str]) -> ctypes.CDLL:
+def _build(compiler: str, draft: Path, sources: dict[str, str], effort: str) -> ctypes.CDLL:
     """A library compiled in a folder, without its sources."""
     for name, text in sources.items():
         (draft / name).write_text(text, encoding="utf-8")
     # more than -O1 takes longer to compile and gains nothing without fused sums of products, and
     # these do not cancel where they should, as on the way out of a plane of symmetry
-    words = [compiler, "-O1", "-std=c99", "-shared", "-fPIC", "-o", LIBRARY, *sources, "-lm"]
+    words = [compiler, effort, "-std=c99", "-shared", "-fPIC", "-o", LIBRARY, *sources, "-lm"]
     try:
         done = subprocess.run(words, cwd=draft, capture_output=True, text=True, check=False)
         if done.returncode:

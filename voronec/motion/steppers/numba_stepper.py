@@ -6,7 +6,8 @@ step within which an event may happen; that one is looked at as the steps of oth
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 
@@ -20,8 +21,9 @@ from voronec.motion.steppers.dop853_source import (
     kernel_source,
     stepping_key,
 )
+from voronec.motion.steppers.held_steps import Landing, Leap
 from voronec.motion.steppers.kept_code import kept_function
-from voronec.motion.steppers.run import COLLAPSE, Integrator, Problem, Run
+from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.samples import NODES, burst
 from voronec.motion.steppers.scipy_stepper import up_to
 from voronec.motion.steppers.step_loop import (
@@ -63,6 +65,34 @@ def compiled_dop853(
             return march(problem, grid, loop, level_function(problem))
 
     return run
+
+
+@contextmanager
+def dop853_leap(
+    problem: Problem, loop: Callable[..., Callable[..., int]] | None = None
+) -> Iterator[Leap]:
+    """Steps of DOP853 from a state to an instant, with parameters of their own each time; compiled
+    as ``compiled_dop853`` does."""
+    drive = (loop or compiled_loop)(problem.program, None)
+    scales, raised = scales_of(problem), hoist(problem.program)
+
+    def leap(
+        time: float, state: np.ndarray, end: float, given: Sequence[float], wanted: bool
+    ) -> Landing:
+        problem.start[:] = state
+        steps = Loop.of(drive, problem, np.array([time, end]), scales, raised)
+        samples = None
+        while steps.clock[0] != end:
+            found = steps.advance()
+            assert isinstance(found, Segment)
+            samples = found.samples
+        if not np.isfinite(found.state).all():
+            raise IntegratorFailure(INFINITE)
+        return Landing(
+            found.state, int(steps.counts[1]), steps.evaluations, samples if wanted else None
+        )
+
+    yield leap
 
 
 def scales_of(problem: Problem) -> np.ndarray:
@@ -149,14 +179,14 @@ class Loop:
             (coarse, np.array(known), np.array(given)),
         )  # fmt: skip
 
-    def advance(self, limit: int = CHUNK) -> Stride | Segment:
-        """The next step, where an event may happen in it, or many others, in so many trials."""
+    def advance(self) -> Stride | Segment:
+        """The next step, where an event may happen in it, or many others."""
         if self.happening:
             self.happening = False
             return self.stride(self.clock[[2, 0]], self.states[[3, 0]], self.bend.copy())
         problem, n = self.problem, len(self.problem.start)
         ahead, sampled = burst(int(self.counts[1]))
-        limit, dense = min(limit, ahead), problem.dense or sampled
+        limit, dense = min(CHUNK, ahead), problem.dense or sampled
         keep = dense or problem.marked or problem.suspect is not None
         bent = min(limit, DENSE_CHUNK) if dense else 1
         room = bent if dense else limit if keep else 1

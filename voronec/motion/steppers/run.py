@@ -5,7 +5,7 @@ Parameters may change in time, at known instants or as Python says.
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -17,9 +17,10 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from voronec.equations.program import Program
+from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Guard
+from voronec.motion.steppers.feedback import Feedback, Told
 from voronec.motion.steppers.samples import StepSamples
 
 COLLAPSE = "the step size collapsed"
@@ -67,6 +68,7 @@ class Problem:
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
     ``roots`` are those of the right side that may vanish, for the method ``flint``.
+    ``measured`` are quantities that controllers are told besides the states.
     """
 
     program: Program
@@ -87,40 +89,63 @@ class Problem:
     brief: float | None = None
     apart: frozenset[str] = frozenset()
     roots: Any = None
+    measured: Program | None = None
 
     @property
     def is_rough(self) -> bool:
         """Whether the rates or the functions of events may hold what is not smooth."""
         return self.program.is_rough or (self.levels is not None and self.levels.is_rough_beside)
 
-    def parameters_at(self) -> Callable[[float], Sequence[Any]]:
-        """The parameters at any time of a piece: those that Python gives are asked for there."""
+    def parameters_at(self) -> Callable[[float, np.ndarray], Sequence[Any]]:
+        """The parameters at any time and state (n,) of a piece: those that Python gives are asked
+        for there."""
         changing = self.changing
         if changing is None or changing.python_signal is None:
-            return lambda _: self.parameters
+            return lambda _, __: self.parameters
         places = {str(p): i for i, p in enumerate(self.program.parameters)}
+        told, followed = self.told(), [f for f in changing.feedbacks if not f.is_sampled]
 
-        def at(time: float) -> Sequence[Any]:
+        def at(time: float, state: np.ndarray) -> Sequence[Any]:
             values = list(self.parameters)
-            for name, value in changing.values_at(time).items():
+            known = changing.values_at(time)
+            if followed:
+                seen = told(time, state.tolist(), values)
+                known |= {f.name: f.value(time, seen) for f in followed}
+            for name, value in known.items():
                 if name in places:
                     values[places[name]] = value
             return values
 
         return at
 
+    def told(self) -> Told:
+        """What controllers are told: the states by name, and what is measured besides."""
+        names, besides = [*map(str, self.program.state)], self.measured
+        if besides is None or not besides.names:
+            return lambda _time, state, _values: dict(zip(names, state, strict=True))
+        extras = compile_program(besides, scalar=True)[1]
+        places = [[*map(str, self.program.parameters)].index(str(p)) for p in besides.parameters]
+
+        def told(time: float, state: Sequence[float], values: Sequence[float]) -> dict[str, float]:
+            more = extras(time, state, [values[i] for i in places])
+            return dict(zip((*names, *besides.names), (*state, *more), strict=True))
+
+        return told
+
 
 @dataclass(frozen=True)
 class Termination:
     """Why and where an integrator could not go on: the last state that was good.
 
-    ``singular`` says that a singular mass matrix is known to be the cause.
+    ``singular`` says that a singular mass matrix is known to be the cause; ``mend``, what would
+    help, where that is known.
     """
 
     reason: str
     time: Any
     state: np.ndarray
     singular: bool = False
+    mend: str = ""
 
 
 @dataclass
@@ -412,8 +437,9 @@ class Signal:
 
     Either ``instants`` begin ``pieces``, each with its coefficients, or ``functions`` of the time
     give them at every instant; then steps end at ``instants``, and in the spans that are ``sharp``
-    a function jumps or bends.  Values are known from ``first`` to ``last``; ``kind`` says in words
-    what it was given as.
+    a function jumps or bends; or a controller gives them from the state, every ``period`` where it
+    is sampled, and ``feedback`` is that in one run.  Values are known from ``first`` to ``last``;
+    ``kind`` says in words what it was given as.
     """
 
     name: str
@@ -422,15 +448,24 @@ class Signal:
     parameters: tuple[str, ...] = ()
     first: float = -inf
     last: float = inf
-    instants: tuple[Fraction, ...] = ()
+    instants: tuple[Fraction | float, ...] = ()
     pieces: tuple[tuple[Fraction, ...], ...] = ()
     functions: tuple[Callable[[float], Any], ...] = ()
     sharp: tuple[tuple[float, float], ...] = ()
+    feedback: Feedback | None = None
+    period: Fraction | None = None
 
     @classmethod
     def of_functions(cls, name: str, functions: tuple[Callable[[float], Any], ...]) -> Signal:
         """A function of Python's, with as many of its rates as are given."""
         return cls(name, len(functions) - 1, "a function of Python's", functions=functions)
+
+    @property
+    def smoother(self) -> str:
+        """What methods take that ask Python for nothing."""
+        if self.feedback is not None:
+            return "Sampled(controller, period)"
+        return "an expression or a table"
 
     def mend(self, rate: str) -> str:
         """What would bring a rate that is lacking."""
@@ -440,6 +475,8 @@ class Signal:
 
     def on_piece(self, start: float, end: float) -> dict[str, Any]:
         """The parameters between two instants with no other between them."""
+        if self.feedback is not None:
+            return dict.fromkeys(self.parameters, self.feedback.at(start / 2 + end / 2))
         k = bisect_right(self.instants, Fraction(start) / 2 + Fraction(end) / 2) - 1
         k = min(max(k, 0), len(self.pieces) - 1)
         numbers = (*self.pieces[k], *([self.instants[k]] if self.degree else []))
@@ -454,6 +491,8 @@ class Signal:
 
     def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters at instants (k,), an array (k,) for each parameter."""
+        if self.feedback is not None:
+            return dict.fromkeys(self.parameters, self.feedback.along(times))
         if self.functions:
             rows = [[*self.at(t).values()] for t in times.tolist()]
         else:
@@ -493,7 +532,15 @@ class Signals:
     @property
     def python_signal(self) -> Signal | None:
         """The first one that Python has to be asked for."""
-        return next((s for s in self.signals if s.functions), None)
+        return next(
+            (s for s in self.signals if s.functions or (s.feedback and not s.feedback.is_sampled)),
+            None,
+        )
+
+    @property
+    def feedbacks(self) -> list[Feedback]:
+        """The controllers."""
+        return [s.feedback for s in self.signals if s.feedback is not None]
 
     @property
     def functional(self) -> Signals | None:
@@ -503,9 +550,18 @@ class Signals:
 
     def knots(self, start: float, end: float) -> list[float]:
         """The instants of change strictly between two others, in the order of a run."""
-        found = {float(t) for s in self.signals for t in s.instants}
-        low, high = min(start, end), max(start, end)
-        return sorted((t for t in found if low < t < high), reverse=end < start)
+        known, (low, high) = self._instants, sorted((start, end))
+        found = known[bisect_right(known, low) : bisect_left(known, high)]
+        return found[::-1] if end < start else found
+
+    @cached_property
+    def _instants(self) -> list[float]:
+        return sorted({float(t) for s in self.signals for t in s.instants})
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The parameters in the order in which ``on`` gives them."""
+        return tuple(p for signal in self.signals for p in signal.parameters)
 
     def on(self, start: float, end: float) -> dict[str, Any]:
         """The values with which a run from one instant to the next change begins."""

@@ -102,7 +102,7 @@ def _solver(problem: Problem, method: Callable[..., Any], grid: np.ndarray) -> C
     def derivative(t: float, y: np.ndarray) -> Any:
         nonlocal without
         try:
-            rates = rhs(t, y.tolist(), at(t))
+            rates = rhs(t, y.tolist(), at(t, y))
         except (ZeroDivisionError, ValueError, OverflowError):
             # a trial step left the domain: the method then tries a shorter one
             rates = [np.nan] * len(y)

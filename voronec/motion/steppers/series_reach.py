@@ -10,7 +10,7 @@ slope of the series misses the right side, there where it leads.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -107,7 +107,7 @@ def first_reach(
         if which:
             taken, begin = np.array([(steps[i].taken, steps[i].begin) for i in which]).T
             coefficients = np.stack([steps[i].coefficients for i in which], axis=2)
-            lengths[which] = series_reach(field, coefficients, taken, begin, parts, tol)
+            lengths[which] = reach_of_series(field, coefficients, taken, begin, parts, tol)
     first = int(np.argmin(lengths == np.inf))
     return (first, float(lengths[first])) if lengths[first] < np.inf else None
 
@@ -239,7 +239,7 @@ def blind_reach(integrator: Any, field: Field, output: Any, step: int) -> np.nda
     return _Series(field, rows, np.atleast_1d(lengths), begin, 1, integrator.tol).reach()
 
 
-def series_reach(
+def reach_of_series(
     field: Field, coefficients: np.ndarray, taken: np.ndarray, begin: np.ndarray, parts: int,
     tol: float,
 ) -> np.ndarray:  # fmt: skip
@@ -276,50 +276,54 @@ def uneven_steps(
     return usual, (taken > 1) & (longest > usual)
 
 
-def overlong_lanes(
-    integrator: Any, field: Field, ends: np.ndarray, limits: np.ndarray, most: int,
-    usual: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    """Which lanes (width,) of a batch integrator take a step that is made too long from where it
-    stands to the times ``ends`` (width,), in ``most`` steps, none longer than ``limits`` (width,);
-    what is longer than ``usual`` (width,), or than the step before, is looked at."""
-    found = np.zeros(len(ends), dtype=bool)
-    for step in _long_steps(integrator, ends, limits, most, usual):
-        if (step.lanes & ~found).any():
-            found |= step.lanes & (step.reach(field, integrator.tol, usual) < np.inf)
-    return found
-
-
 @dataclass(frozen=True)
-class _LongStep:
-    """A step ``taken`` (k,) from the times ``begin`` (k,), long in some ``lanes`` (k,), with its
-    Taylor ``coefficients`` (n, order + 1, k)."""
+class LongSteps:
+    """Steps ``taken`` (k,) from the times ``begin`` (k,) by motions ``which`` (k,), with their
+    Taylor ``coefficients`` (n, order + 1, k), and how long steps ``usual`` (k,) are."""
 
+    which: np.ndarray
     taken: np.ndarray
     begin: np.ndarray
     coefficients: np.ndarray
-    lanes: np.ndarray
+    usual: np.ndarray
 
-    def reach(self, field: Field, tol: float, usual: np.ndarray) -> np.ndarray:
-        """The lengths (k,) up to which it may be trusted, where it is too long; else infinite."""
-        parts = PARTS if (self.lanes & (np.abs(self.taken) > usual)).any() else 1
-        return series_reach(field, self.coefficients, self.taken, self.begin, parts, tol)
+    @classmethod
+    def join(cls, parts: Sequence[LongSteps]) -> LongSteps:
+        """All steps together."""
+        return cls(*(
+            np.concatenate([getattr(part, f.name) for part in parts], axis=-1) for f in fields(cls)
+        ))  # fmt: skip
+
+    def overlong(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
+        """The motions that took a step which is made too long; ``field`` is that of some motions.
+        Those longer than the usual are looked at in parts."""
+        found, far = np.zeros(len(self.which), dtype=bool), np.abs(self.taken) > self.usual
+        for parts, own in ((1, ~far), (PARTS, far)):
+            if own.any():
+                right, rows = field(self.which[own]), self.coefficients[:, :, own]
+                lengths = reach_of_series(right, rows, self.taken[own], self.begin[own], parts, tol)
+                found[own] = lengths < np.inf
+        return self.which[found]
 
 
-def _long_steps(
-    integrator: Any, ends: np.ndarray, limits: np.ndarray, most: int, usual: np.ndarray
-) -> list[_LongStep]:
-    """Of the steps from where a batch integrator stands to the times ``ends``, those that are
-    longer than the ``usual``, or much longer than the step before."""
-    found, before = list[_LongStep](), np.zeros(len(ends))
+def long_steps(
+    integrator: Any, which: np.ndarray, ends: np.ndarray, limits: np.ndarray, most: int,
+    usual: np.ndarray,
+) -> list[LongSteps]:  # fmt: skip
+    """Of the steps of motions ``which`` (width,) from where a batch integrator stands to the times
+    ``ends`` (width,), ``most`` of them, none longer than ``limits`` (width,), those that are longer
+    than the ``usual`` (width,), or than the step before."""
+    found, before = list[LongSteps](), np.zeros(len(ends))
 
     def look(at: Any) -> bool:
         nonlocal before
         length = np.abs(at.last_h)
-        lanes = length > np.minimum(GROWTH * before, usual)
-        if lanes.any():
-            begin = at.time - at.last_h
-            found.append(_LongStep(at.last_h.copy(), begin, at.tc.copy(), lanes))
+        own = length > np.minimum(GROWTH * before, usual)
+        if own.any():
+            taken = at.last_h[own]
+            found.append(
+                LongSteps(which[own], taken, at.time[own] - taken, at.tc[:, :, own], usual[own])
+            )
         before = length
         return True
 

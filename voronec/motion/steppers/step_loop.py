@@ -12,6 +12,7 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.crossings import SPECK, Levels, StepCourse, crossings
 from voronec.motion.request import Guard
+from voronec.motion.steppers.feedback import MEND, ControllerFailure
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -101,7 +102,8 @@ def level_function(problem: Problem) -> Levels:
     at = problem.parameters_at()
 
     def function(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        given = np.array([at(x) for x in t]).T if asked else problem.parameters
+        rows = [at(x, y) for x, y in zip(t, states, strict=True)] if asked else []
+        given = np.array(rows).T if asked else problem.parameters
         values = np.empty((len(problem.events), len(t)), dtype=states.dtype)
         for row, value in zip(values, extras(t, list(states.T), list(given)), strict=True):
             row[:] = value
@@ -170,6 +172,8 @@ class _March:
                     return self.result(halt)
                 if reason := stall.failure(self.steps, self.last.time):
                     return self.result(replace(self.last, reason=reason))
+        except ControllerFailure as failure:
+            return self.result(replace(self.last, reason=str(failure), mend=MEND))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())

@@ -91,21 +91,22 @@ class WideBatch:
         batch, lanes = self.batch, self.batch.batch_size
         alike, times = (self.pars == self.pars[:, :1]).all(), self.high[which]
         together = not self.low[which].any() and (times == times[:1]).all()
+        state, pars, begin = batch.state, batch.pars, times[:1].tolist()
         if alike:
-            batch.pars[:] = self.pars[:, :lanes]
+            pars[:] = self.pars[:, :lanes]
         rows = which.reshape(-1, lanes)
-        every = np.asarray(rows.all(axis=1))
+        every = np.asarray(rows.all(axis=1)).tolist()
         for k in np.flatnonzero(rows.any(axis=1)).tolist():
             own: Any = slice(lanes * k, lanes * (k + 1))
             if not every[k]:
                 own = lanes * k + np.where(rows[k], np.arange(lanes), int(np.argmax(rows[k])))
             if together:
-                batch.set_time(float(times[0]))
+                batch.set_time(*begin)
             else:
                 batch.set_dtime(self.high[own], self.low[own])
-            batch.state[:] = self.state[:, own]
+            state[:] = self.state[:, own]
             if not alike:
-                batch.pars[:] = self.pars[:, own]
+                pars[:] = self.pars[:, own]
             yield own
 
     def first_steps(self, spans: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

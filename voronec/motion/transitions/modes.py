@@ -19,6 +19,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import FLAT, SATURATION
 from voronec.errors import EngineLimit
+from voronec.motion.input_knots import in_pieces
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_set import GUARD, Mode
 from voronec.motion.mode_transitions import NO_VALUE, PAST, TOUCH, Crossroads
@@ -26,10 +27,7 @@ from voronec.motion.modes import Modes, SmoothBranch
 from voronec.motion.request import Guard
 from voronec.motion.solve import COINCIDENT, DOUBLE, Arrival, Phase, Solver
 from voronec.motion.step_defects import program_rates
-from voronec.motion.steppers import Integrator, Problem, Run, Termination
-from voronec.motion.steppers.run import in_kind, until
-from voronec.motion.steppers.samples import Rates
-from voronec.motion.transitions.knots import in_pieces
+from voronec.motion.steppers import Integrator, Problem, Rates, Run, Termination, in_kind, until
 
 RIM = "the motion comes to rest where a root of velocities in its equations has no slope"
 

@@ -29,9 +29,7 @@ from voronec.motion.singular_denominators import CLEAR, GAIN, NEAR, guard_events
 from voronec.motion.solve import Arrival, Phase, Progress, Solver
 from voronec.motion.split_models import SplitContext, SplitModel, candidates
 from voronec.motion.state_probe import StateProbe, quantities
-from voronec.motion.steppers import Problem, Run, Termination
-from voronec.motion.steppers.run import in_kind, part_at
-from voronec.motion.steppers.units import natural_units
+from voronec.motion.steppers import Problem, Run, Termination, in_kind, natural_units, part_at
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, assemble_trajectory
 from voronec.motion.transitions.charts import through_charts

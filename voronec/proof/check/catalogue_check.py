@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import connection
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from voronec.algebra.arguments import CALLABLE, COUNT, SEVERAL, Kind, accepts
 from voronec.declaration.whole_files import Store
-from voronec.declaration.worker_processes import ProcessEnd, Worker
+from voronec.declaration.worker_processes import ProcessEnd, Team
 from voronec.errors import DefinitionError, quote
 from voronec.proof.check.inventory import Inventory, Trouble, names_read
 from voronec.proof.check.report import Finding, Report, Result, mark_as_known
@@ -74,23 +74,15 @@ def _results_of(
             started(unit.name)
             yield examine(unit)
         return
-    waiting = list(reversed(units))
-    workers = [Worker.start(Examiner()) for _ in range(jobs)]
+    team = Team(jobs, Examiner())
     try:
-        while waiting or any(w.task for w in workers):
-            for worker in workers:
-                if worker.task is None and waiting:
-                    worker.give(waiting.pop())
-            started(", ".join(w.task.name for w in workers if w.task))
-            for ready in connection.wait([w.pipe for w in workers if w.task]):
-                position = next(i for i, w in enumerate(workers) if w.pipe is ready)
-                result = _take(workers[position])
-                if not workers[position].process.is_alive() and waiting:
-                    workers[position] = Worker.start(Examiner())
-                yield result
+        left = {team.submit(unit): unit for unit in units}
+        while left:
+            started(", ".join(unit.name for future, unit in left.items() if future.running()))
+            for future in wait(left, return_when=FIRST_COMPLETED).done:
+                yield _result(left.pop(future), future)
     finally:
-        for worker in workers:
-            worker.end()
+        team.end()
 
 
 @dataclass
@@ -107,18 +99,16 @@ class Examiner:
         return examine(unit, self.bench)
 
 
-def _take(worker: Worker) -> Result:
-    """The result of the unit that a process is at; that it died is one."""
-    unit = worker.task
+def _result(unit: Unit, future: Future[Result]) -> Result:
+    """The result of a unit that a process was at; that it died is one."""
     try:
-        result: Result = worker.take()
+        return future.result()
     except ProcessEnd as error:
         how = f"the process that checked it ended with status {error.status}"
         return Result(
             unit.kind, unit.name, unit.entry.place,
             (Finding(unit.kind, unit.name, "broken", how),),
         )  # fmt: skip
-    return result
 
 
 RESULTS = 3000

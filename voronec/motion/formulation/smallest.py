@@ -1,8 +1,8 @@
-"""The smallest model of a scene: from levels of the equations to the one that costs least.
+"""The smallest model of a scene: from formulations of the equations to the one that costs least.
 
-On every level of the equations the smallest closed set of variables is taken that the wanted
+In every formulation of the equations the smallest closed set of variables is taken that the wanted
 outputs need; constants and what stays at zero are frozen, first integrals stand in for equations;
-and of the levels the one whose program costs least is chosen.
+and of the formulations the one whose program costs least is chosen.
 
 A model says what is integrated, what follows, and what is left out.
 """
@@ -24,18 +24,18 @@ from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.program import Program
-from voronec.motion.model.level import (
-    Level,
-    coordinates_level,
+from voronec.motion.formulation.formulation import (
+    Formulation,
+    coordinates_formulation,
     cyclic,
     dependence,
-    invariants_level,
+    invariants_formulation,
     keep_relations,
     needed_variables,
     restrict,
 )
-from voronec.motion.model.model_cache import ModelCache
-from voronec.motion.model.special import (
+from voronec.motion.formulation.model_cache import ModelCache
+from voronec.motion.formulation.special import (
     at_zero,
     by_integrals,
     constants,
@@ -43,22 +43,27 @@ from voronec.motion.model.special import (
     vanish,
     without_parameters,
 )
-from voronec.motion.model.variables import momenta_level, relative_level
+from voronec.motion.formulation.variables import momenta_formulation, relative_formulation
 
 if TYPE_CHECKING:
     import networkx as nx
 
 
-def absent(level: Level, needed: set[Any], names: tuple[Any, ...]) -> Iterator[tuple[Any, str]]:
-    """Which of the ``names`` are no variables of the level, and in which needed ones each stands.
+def absent(
+    formulation: Formulation, needed: set[Any], names: tuple[Any, ...]
+) -> Iterator[tuple[Any, str]]:
+    """Which of the ``names`` are no variables of the formulation, and in which needed ones each
+    stands.
 
     The list is empty where nothing that is needed holds it.
     """
     for x in names:
-        if x in level.variables:
+        if x in formulation.variables:
             continue
         holders = [
-            str(y) for y in level.variables if y in needed and x in level.start[y].free_symbols
+            str(y)
+            for y in formulation.variables
+            if y in needed and x in formulation.start[y].free_symbols
         ]
         yield x, ", ".join(holders)
 
@@ -76,8 +81,9 @@ Note = Callable[[Any, str, str], None]
 
 @dataclass
 class _Particular:
-    """What is known of one motion on a level: numbers of variables, parameters and the time, and
-    what was ``asked`` of them so far: slopes of integrals, and whether these are steep enough."""
+    """What is known of one motion in a formulation: numbers of variables, parameters and the time,
+    and what was ``asked`` of them so far: slopes of integrals, and whether these are steep
+    enough."""
 
     values: Mapping[Any, float]
     asked: list[tuple[Any, tuple[Any, ...], bool]] = field(default_factory=list)
@@ -115,8 +121,8 @@ def _function(symbols: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
 @dataclass(frozen=True)
 class ModelSearch:
     """A model, and all that was asked of the start that it was made for: zeros and steep slopes,
-    level by level.  Another start that gives the same answers has the same model.  It is kept under
-    its ``name``, and what is made of it under names that begin so."""
+    formulation by formulation.  Another start that gives the same answers has the same model.  It
+    is kept under its ``name``, and what is made of it under names that begin so."""
 
     name: str
     model: Model
@@ -133,15 +139,17 @@ class ModelSearch:
 
 
 class SmallestModels:
-    """The smallest models of one set of outputs, by start: the levels that they are chosen from,
-    and those that were found so far, in this process or in earlier ones (``packs``)."""
+    """The smallest models of one set of outputs, by start: the formulations that they are chosen
+    from, and those that were found so far, in this process or in earlier ones."""
 
     def __init__(
-        self, model_cache: ModelCache, motions: Motions, make: Callable[[], Iterable[Level]]
+        self, model_cache: ModelCache, motions: Motions, make: Callable[[], Iterable[Formulation]]
     ) -> None:
         self.model_cache = model_cache
         self._motions = motions
-        self._levels: tuple[Level, ...] = model_cache.once("levels", lambda: tuple(make()))
+        self._formulations: tuple[Formulation, ...] = model_cache.once(
+            "formulations", lambda: tuple(make())
+        )
         self._findings: list[ModelSearch] = []
         while (name := self._next_name) in model_cache:
             self._findings.append(model_cache.value_of(name))
@@ -164,8 +172,8 @@ class SmallestModels:
             # constraints are solved so that this is defined at a point, and as well conditioned
             d = motions.equations.definition
             model_cache = ModelCache(motions.system, [key, d.near, d.share])
-            levels = partial(_levels, motions, wanted, integrals, thorough, followed)
-            kept[key] = cls(model_cache, motions, levels)
+            formulations = partial(_formulations, motions, wanted, integrals, thorough, followed)
+            kept[key] = cls(model_cache, motions, formulations)
         found: SmallestModels = kept[key]
         return found
 
@@ -176,17 +184,31 @@ class SmallestModels:
     @cached_property
     def general(self) -> Model:
         """The model that holds for all starts."""
-        levels = (_cut_down(self._motions, level, level, None) for level in self._levels)
-        found = self.model_cache.once("general", lambda: _cheapest([*levels]))
+        formulations = (
+            _cut_down(self._motions, formulation, formulation, None)
+            for formulation in self._formulations
+        )
+        found = self.model_cache.once("general", lambda: _cheapest([*formulations]))
+        self.model_cache.keep()
+        return found
+
+    @cached_property
+    def without_integrals(self) -> Model:
+        """The model that holds for all starts, in which no integral stands in for an equation: its
+        variables are those of the phase space."""
+        whole = (_cut_down(self._motions, e, e, None, False) for e in self._formulations)
+        found = self.model_cache.once("without integrals", lambda: _cheapest([*whole]))
         self.model_cache.keep()
         return found
 
     def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
         """The model of a start; starts of which nothing else is known than of another have its."""
-        values = [_at_start(level, start) for level in self._levels]
+        values = [_at_start(formulation, start) for formulation in self._formulations]
         starts = [_Particular(each) for each in values]
-        pairs = zip(self._levels, starts, strict=True)
-        zeros = tuple(s.zeros((*level.variables, *level.parameters)) for level, s in pairs)
+        pairs = zip(self._formulations, starts, strict=True)
+        zeros = tuple(
+            s.zeros((*formulation.variables, *formulation.parameters)) for formulation, s in pairs
+        )
         for finding in self._findings:
             if finding.holds(zeros, starts):
                 return finding
@@ -202,9 +224,9 @@ class SmallestModels:
     ) -> ModelSearch:
         starts = [_Particular(each) for each in values]
         model = _cheapest([
-            min((_cut_down(self._motions, full, level, known)
-                 for level in _without_zeros(full, known)), key=_cost)
-            for full, known in zip(self._levels, starts, strict=True)
+            min((_cut_down(self._motions, full, formulation, known)
+                 for formulation in _without_zeros(full, known)), key=_cost)
+            for full, known in zip(self._formulations, starts, strict=True)
         ])  # fmt: skip
         return ModelSearch(self._next_name, model, zeros, tuple(tuple(s.asked) for s in starts))
 
@@ -242,139 +264,156 @@ def _cheapest(models: Sequence[Model]) -> Model:
     return replace(best, candidates=weighed)
 
 
-def _levels(
+def _formulations(
     motions: Motions,
     wanted: Mapping[str, sp.Expr],
     integrals: Mapping[str, sp.Expr],
     thorough: bool,
     followed: Collection[str],
-) -> Iterator[Level]:
-    """The levels to weigh."""
-    low = invariants_level(motions, wanted, integrals, followed)
+) -> Iterator[Formulation]:
+    """The formulations to weigh."""
+    low = invariants_formulation(motions, wanted, integrals, followed)
     if low is not None:
         yield from _with_momenta(low)
         alone = len(low.positions) == len(motions.system.invariants)
         if alone and not thorough:
             return
-    high = coordinates_level(motions, wanted, integrals)
+    high = coordinates_formulation(motions, wanted, integrals)
     yield from _with_momenta(high)
-    relative = relative_level(high)
+    relative = relative_formulation(high)
     if relative is not None:
         yield from _with_momenta(relative)
 
 
-def _with_momenta(level: Level) -> Iterator[Level]:
-    yield level
-    momenta = momenta_level(level)
+def _with_momenta(formulation: Formulation) -> Iterator[Formulation]:
+    yield formulation
+    momenta = momenta_formulation(formulation)
     if momenta is not None:
         yield momenta
 
 
-def _without_zeros(full: Level, known: _Particular) -> list[Level]:
-    """A level without the parameters that are zero at a start: as it then stands, and in normal
-    forms, which may cost less, but write powers of sums out."""
+def _without_zeros(full: Formulation, known: _Particular) -> list[Formulation]:
+    """A formulation without the parameters that are zero at a start: as it then stands, and in
+    normal forms, which may cost less, but write powers of sums out."""
     return without_parameters(full, dict.fromkeys(known.zeros(full.parameters), se.Integer(0)))
 
 
-def _cut_down(motions: Motions, full: Level, level: Level, known: _Particular | None) -> Model:
-    """One ``level``, equal to ``full`` for what is ``known``, cut down to what its outputs need."""
+def _cut_down(
+    motions: Motions, full: Formulation, formulation: Formulation, known: _Particular | None,
+    shorten: bool = True,
+) -> Model:  # fmt: skip
+    """One ``formulation``, equal to ``full`` for what is ``known``, cut down to what its outputs
+    need; made shorter by integrals where that is asked."""
     roles: dict[Any, Role] = {}
 
     def note(x: Any, kind: str, why: str) -> None:
         roles[x] = Role(str(x), kind, why)
 
-    level = _close(level, note, "no output depends on it")
+    formulation = _close(formulation, note, "no output depends on it")
     if known is not None:
-        level = _on_plane(level, known, note)
-    level, frozen = _without_constants(level, full, note)
-    level, told = _without_integrals(level, full, known or _Particular({}), note)
-    _note_cycles(level, note)
-    for name, angle in level.angles.items():
+        formulation = _on_plane(formulation, known, note)
+    formulation, frozen = _without_constants(formulation, full, note)
+    told = dict[Any, Any]()
+    if shorten:
+        formulation, told = _without_integrals(formulation, full, known or _Particular({}), note)
+    _note_cycles(formulation, note)
+    for name, angle in formulation.angles.items():
         words = f"atan2({angle.sine}, {angle.cosine}), up to the branch"
         roles.setdefault(name, Role(name, "read off", words))
     needed = {x for x in full.variables if x in roles and roles[x].kind != "dropped"}
     d = motions.equations.definition
     for x, holders in absent(full, needed, (*d.coordinates, *d.velocities)):
-        if str(x) not in level.angles:
+        if str(x) not in formulation.angles:
             why = f"by {holders}" if holders else "no output depends on it"
             note(x, "replaced" if holders else "dropped", why)
-    level = keep_relations(level)
-    program = Program.of(level.form)
-    summary = ModelCandidate(level.name, len(level.variables), program.operations, program.weight)
+    formulation = keep_relations(formulation)
+    program = Program.of(formulation.form)
+    summary = ModelCandidate(
+        formulation.name, len(formulation.variables), program.operations, program.weight
+    )
     order = {x: i for i, x in enumerate([*full.variables, *full.angles])}
     ranked = sorted(roles.items(), key=lambda item: order.get(item[0], len(order)))
-    return Model(level, full, tuple(r for _, r in ranked), (summary,), frozen | told)
+    return Model(formulation, full, tuple(r for _, r in ranked), (summary,), frozen | told)
 
 
-def _on_plane(level: Level, known: _Particular, note: Note) -> Level:
-    """The level on the invariant plane of variables that are zero at the start and stay so."""
-    plane = at_zero(level, known.zeros(level.variables))
+def _on_plane(formulation: Formulation, known: _Particular, note: Note) -> Formulation:
+    """The formulation on the invariant plane of variables that are zero at the start and stay
+    so."""
+    plane = at_zero(formulation, known.zeros(formulation.variables))
     for x in plane:
         note(x, "zero", "zero at the start, and then for ever: its rate vanishes there")
-    left = [x for x in level.variables if x not in plane]
-    level = restrict(level.substitute(dict.fromkeys(plane, se.Integer(0))), left)
-    return _close(level, note, "no output depends on it where the others are zero")
+    left = [x for x in formulation.variables if x not in plane]
+    formulation = restrict(formulation.substitute(dict.fromkeys(plane, se.Integer(0))), left)
+    return _close(formulation, note, "no output depends on it where the others are zero")
 
 
-def _without_constants(level: Level, full: Level, note: Note) -> tuple[Level, dict[Any, Any]]:
-    """The level with constant variables as parameters, and what these are at the start."""
-    frozen = {x: full.start[x] for x in constants(level)}
+def _without_constants(
+    formulation: Formulation, full: Formulation, note: Note
+) -> tuple[Formulation, dict[Any, Any]]:
+    """The formulation with constant variables as parameters, and what these are at the start."""
+    frozen = {x: full.start[x] for x in constants(formulation)}
     for x in frozen:
         note(x, "constant", "its rate vanishes identically")
     if not frozen:
-        return level, frozen
-    left = [x for x in level.variables if x not in frozen]
-    level = replace(level, parameters=(*level.parameters, *frozen))
-    return _close(restrict(level, left), note, ""), frozen
+        return formulation, frozen
+    left = [x for x in formulation.variables if x not in frozen]
+    formulation = replace(formulation, parameters=(*formulation.parameters, *frozen))
+    return _close(restrict(formulation, left), note, ""), frozen
 
 
 def _without_integrals(
-    level: Level, full: Level, known: _Particular, note: Note
-) -> tuple[Level, dict[Any, Any]]:
-    """The level without the variables that proved first integrals give, and the values of these
-    integrals as they are at the start."""
-    level, given = by_integrals(level, lambda name: _is_integral(full, name), known.is_steep)
+    formulation: Formulation, full: Formulation, known: _Particular, note: Note
+) -> tuple[Formulation, dict[Any, Any]]:
+    """The formulation without the variables that proved first integrals give, and the values of
+    these integrals as they are at the start."""
+    formulation, given = by_integrals(
+        formulation, lambda name: _is_integral(full, name), known.is_steep
+    )
     for x, (name, _, _) in given.items():
         note(x, "integral", f"given by the first integral '{name}'")
-    return level, {s: e.xreplace(dict(full.start)) for _, s, e in given.values()}
+    return formulation, {s: e.xreplace(dict(full.start)) for _, s, e in given.values()}
 
 
-def _note_cycles(level: Level, note: Note) -> None:
+def _note_cycles(formulation: Formulation, note: Note) -> None:
     """Of what is integrated: what takes part in a cycle, and what is a quadrature."""
-    turning = cyclic(dependence(level), level.variables)
-    for x in level.variables:
+    turning = cyclic(dependence(formulation), formulation.variables)
+    for x in formulation.variables:
         if x in turning:
             note(x, "integrated", "in a cycle: the rates depend on one another")
         else:
             note(x, "quadrature", "follows from others, which do not depend on it")
 
 
-def _at_start(level: Level, start: Mapping[Any, float]) -> dict[Any, float]:
-    """Numbers of the level's own variables, of the parameters and the time."""
-    own = {x: meaning for x, meaning in level.start.items() if x != meaning}
+def _at_start(formulation: Formulation, start: Mapping[Any, float]) -> dict[Any, float]:
+    """Numbers of the formulation's own variables, of the parameters and the time."""
+    own = {x: meaning for x, meaning in formulation.start.items() if x != meaning}
     values = _Particular(start).numbers(tuple(own.values())) if own else ()
     return {**start, **dict(zip(own, values, strict=True))}
 
 
-def _close(level: Level, note: Note, why: str) -> Level:
-    kept = needed_variables(level, dependence(level))
-    for x in level.variables:
+def _close(formulation: Formulation, note: Note, why: str) -> Formulation:
+    kept = needed_variables(formulation, dependence(formulation))
+    for x in formulation.variables:
         if x not in kept:
             note(x, "dropped", why)
-    return restrict(level, kept)
+    return restrict(formulation, kept)
 
 
-def _is_integral(level: Level, name: str) -> bool:
-    """Whether a declared integral is proved to be one, on the level."""
-    integral = level.integrals[name]
-    slopes = [integral.diff(q) * r for q, r in zip(level.positions, level.rates, strict=True)]
-    slopes.append(integral.diff(level.time))
-    held = [i for i, v in enumerate(level.velocities) if integral.diff(v) != 0]
+def _is_integral(formulation: Formulation, name: str) -> bool:
+    """Whether a declared integral is proved to be one, in the formulation."""
+    integral = formulation.integrals[name]
+    slopes = [
+        integral.diff(q) * r for q, r in zip(formulation.positions, formulation.rates, strict=True)
+    ]
+    slopes.append(integral.diff(formulation.time))
+    held = [i for i, v in enumerate(formulation.velocities) if integral.diff(v) != 0]
     for i in held:
-        if any(level.mass[i][j] != 0 for j in range(len(level.velocities)) if j != i):
+        if any(formulation.mass[i][j] != 0 for j in range(len(formulation.velocities)) if j != i):
             return False
-        slopes.append(integral.diff(level.velocities[i]) * level.force[i] / level.mass[i][i])
-    return vanish([se.Add(*slopes)], level)
+        slopes.append(
+            integral.diff(formulation.velocities[i]) * formulation.force[i] / formulation.mass[i][i]
+        )
+    return vanish([se.Add(*slopes)], formulation)
 
 
 @dataclass(frozen=True)
@@ -382,8 +421,8 @@ class Role:
     """What became of one variable, and why.
 
     ``kind`` is ``integrated``, ``quadrature``, ``constant``, ``zero``, ``integral`` (given by a
-    first integral), ``read off`` (an angle from invariants), ``replaced`` (the level has other
-    variables) or ``dropped``.
+    first integral), ``read off`` (an angle from invariants), ``replaced`` (the formulation has
+    other variables) or ``dropped``.
     """
 
     variable: str
@@ -393,10 +432,10 @@ class Role:
 
 @dataclass(frozen=True)
 class ModelCandidate:
-    """One level that was weighed, cut down to what the outputs need: its number of states, and
-    operations and weight of its right-hand side."""
+    """One formulation that was weighed, cut down to what the outputs need: its number of states,
+    and operations and weight of its right-hand side."""
 
-    level: str
+    formulation: str
     states: int
     operations: int
     weight: float
@@ -407,17 +446,17 @@ class ModelCandidate:
 class Model:
     """The equations that a scene needs.
 
-    ``level`` says in which variables they stand; ``roles`` what became of each variable;
-    ``candidates`` which levels were weighed.  ``form`` is what programs are made of, ``outputs``
-    and ``integrals`` are expressions on it; ``frozen`` maps symbols that became parameters to what
-    they are at the start, in coordinates and velocities, as ``start`` does for the states.
-    ``full`` is the level that was chosen, ``cut`` what is left of it.  ``refuted`` names the
-    declared integrals that are proved not to be constant.  ``memo`` holds the programs written for
-    it.
+    ``formulation`` says in which variables they stand; ``roles`` what became of each variable;
+    ``candidates`` which formulations were weighed.  ``form`` is what programs are made of,
+    ``outputs`` and ``integrals`` are expressions on it; ``frozen`` maps symbols that became
+    parameters to what they are at the start, in coordinates and velocities, as ``start`` does for
+    the states. ``full`` is the formulation that was chosen, ``cut`` what is left of it.
+    ``refuted`` names the declared integrals that are proved not to be constant.  ``memo`` holds the
+    programs written for it.
     """
 
-    cut: Level
-    full: Level
+    cut: Formulation
+    full: Formulation
     roles: tuple[Role, ...]
     candidates: tuple[ModelCandidate, ...]
     frozen: Mapping[Any, Any] = field(default_factory=dict)
@@ -426,7 +465,7 @@ class Model:
 
     def __repr__(self) -> str:
         states = ", ".join(map(str, self.states))
-        return f"Model({self.system.name!r}, in {self.level}, states=({states}))"
+        return f"Model({self.system.name!r}, in {self.formulation}, states=({states}))"
 
     def _repr_html_(self) -> str:
         """For notebooks: what became of each variable, and why."""
@@ -440,7 +479,7 @@ class Model:
         return system
 
     @property
-    def level(self) -> str:
+    def formulation(self) -> str:
         """``coordinates``, maybe with relative angles, ``invariants``, or these with momenta."""
         return self.cut.name
 
@@ -481,8 +520,8 @@ class Model:
 
     @property
     def graph(self) -> nx.DiGraph:
-        """A networkx graph with an edge x -> y where the rate of y holds x, on the full level;
-        nodes carry their ``kind``."""
+        """A networkx graph with an edge x -> y where the rate of y holds x, in the full
+        formulation; nodes carry their ``kind``."""
         import networkx as nx
 
         graph = nx.DiGraph()
@@ -497,16 +536,16 @@ class Model:
         """What JSON can hold of it."""
         return {
             "system": self.system.name,
-            "level": self.level,
+            "formulation": self.formulation,
             "states": [str(x) for x in self.states],
             "variables": [
                 {"name": r.variable, "kind": r.kind, "why": r.why} for r in self.roles
             ],
             "integrals": list(self.integrals),
             "refuted": list(self.refuted),
-            "levels": [
+            "formulations": [
                 {
-                    "name": c.level, "states": c.states, "operations": c.operations,
+                    "name": c.formulation, "states": c.states, "operations": c.operations,
                     "weight": c.weight, "chosen": c.chosen,
                 }
                 for c in self.candidates

@@ -18,8 +18,8 @@ from voronec.algebra.shape import operations
 from voronec.algebra.tape import Tape
 from voronec.algebra.verdicts import all_vanish
 from voronec.errors import EngineLimit
-from voronec.motion.model.level import (
-    Level,
+from voronec.motion.formulation.formulation import (
+    Formulation,
     blocks,
     is_finite,
     restrict,
@@ -33,31 +33,32 @@ Steep = Callable[[Any, tuple[Any, ...]], bool]
 """Whether a slope of an integral is steep enough beside the others, at the start."""
 
 
-def without_parameters(level: Level, zero: Mapping[Any, Any]) -> list[Level]:
-    """The level with parameters that are zero taken out, as it then stands and in normal forms;
-    as it is where that makes no sense."""
-    found = level.substitute(zero)
+def without_parameters(formulation: Formulation, zero: Mapping[Any, Any]) -> list[Formulation]:
+    """The formulation with parameters that are zero taken out, as it then stands and in normal
+    forms; as it is where that makes no sense."""
+    found = formulation.substitute(zero)
     if not _finite(found):
-        return [level]
+        return [formulation]
     plain = replace(
-        found, rates=tuple(with_positive_denominators(e, level.relations) for e in found.rates)
+        found,
+        rates=tuple(with_positive_denominators(e, formulation.relations) for e in found.rates),
     )
     tidied = _tidy(found)
     return [plain] if tidied is found else [plain, tidied]
 
 
-def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
+def at_zero(formulation: Formulation, zeros: Collection[Any]) -> list[Any]:
     """The largest set of variables, all zero at the start, that stay at zero for ever.
 
     On it every rate vanishes identically: an invariant subspace, proved.  What a sign or a floor
     depends on is none of them: where it is zero the rate is not that of the motions nearby; nor is
     what a root makes so steep that it may leave.
     """
-    chosen = [x for x in level.variables if x in zeros]
-    steps = _steps(level, chosen)
+    chosen = [x for x in formulation.variables if x in zeros]
+    steps = _steps(formulation, chosen)
     chosen = [x for x in chosen if x not in steps]
     while chosen:
-        plane = level.substitute(dict.fromkeys(chosen, se.Integer(0)))
+        plane = formulation.substitute(dict.fromkeys(chosen, se.Integer(0)))
         if not _finite(plane):
             return []
         stay = [x for x in chosen if _rests(plane, x, chosen)]
@@ -67,9 +68,13 @@ def at_zero(level: Level, zeros: Collection[Any]) -> list[Any]:
     return []
 
 
-def _steps(level: Level, among: list[Any]) -> set[Any]:
+def _steps(formulation: Formulation, among: list[Any]) -> set[Any]:
     """What signs and floors in the rates depend on, and roots of sizes that vanish."""
-    exprs = [e for _, e in level.stages] + [*level.rates, *level.force] if among else []
+    exprs = (
+        [e for _, e in formulation.stages] + [*formulation.rates, *formulation.force]
+        if among
+        else []
+    )
     zero = dict.fromkeys(among, se.Integer(0))
 
     def is_abrupt(node: Any) -> bool:
@@ -92,34 +97,36 @@ def _is_steep_root(base: Any, zero: Mapping[Any, Any]) -> bool:
     return is_size or bool(2 * exponent < 1 and known_sign(base) > 0)
 
 
-def _rests(level: Level, x: Any, chosen: list[Any]) -> bool:
+def _rests(formulation: Formulation, x: Any, chosen: list[Any]) -> bool:
     """Whether the rate of a variable vanishes where all the chosen ones do."""
-    if x in level.positions:
-        return vanish([level.rates[level.positions.index(x)]], level)
-    i = level.velocities.index(x)
-    others = [j for j, v in enumerate(level.velocities) if v not in chosen]
-    return vanish([level.force[i], *(level.mass[i][j] for j in others)], level)
+    if x in formulation.positions:
+        return vanish([formulation.rates[formulation.positions.index(x)]], formulation)
+    i = formulation.velocities.index(x)
+    others = [j for j, v in enumerate(formulation.velocities) if v not in chosen]
+    return vanish([formulation.force[i], *(formulation.mass[i][j] for j in others)], formulation)
 
 
-def vanish(exprs: list[Any], level: Level) -> bool:
-    """Whether expressions are proved to vanish on the level, its stages opened."""
-    stages = dict(level.stages)
+def vanish(exprs: list[Any], formulation: Formulation) -> bool:
+    """Whether expressions are proved to vanish in the formulation, its stages opened."""
+    stages = dict(formulation.stages)
     opened = []
     for expr in exprs:
         while expr.free_symbols & stages.keys():
             expr = expr.xreplace(stages)
         opened.append(expr)
     try:
-        return all_vanish(opened, level.relations)
+        return all_vanish(opened, formulation.relations)
     except EngineLimit:
         return False
 
 
-def constants(level: Level) -> list[Any]:
+def constants(formulation: Formulation) -> list[Any]:
     """Variables whose rates vanish identically."""
-    alone = [block[0] for block in blocks(level) if len(block) == 1]
-    found = [q for q, rate in zip(level.positions, level.rates, strict=True) if rate == 0]
-    return found + [level.velocities[i] for i in alone if level.force[i] == 0]
+    alone = [block[0] for block in blocks(formulation) if len(block) == 1]
+    found = [
+        q for q, rate in zip(formulation.positions, formulation.rates, strict=True) if rate == 0
+    ]
+    return found + [formulation.velocities[i] for i in alone if formulation.force[i] == 0]
 
 
 def level_of(integral: str) -> Any:
@@ -128,8 +135,8 @@ def level_of(integral: str) -> Any:
 
 
 def by_integrals(
-    level: Level, proved: Callable[[str], bool], steep: Steep
-) -> tuple[Level, dict[Any, tuple[str, Any, Any]]]:
+    formulation: Formulation, proved: Callable[[str], bool], steep: Steep
+) -> tuple[Formulation, dict[Any, tuple[str, Any, Any]]]:
     """Variables that first integrals give, instead of equations.
 
     An integral is used for a variable x in which it is linear with a constant coefficient: then
@@ -137,38 +144,40 @@ def by_integrals(
     level and its expression.
     """
     given: dict[Any, tuple[str, Any, Any]] = {}
-    for name, integral in level.integrals.items():
+    for name, integral in formulation.integrals.items():
         if given.keys() & integral.free_symbols:
             continue
-        x = _solvable(level, integral, steep)
+        x = _solvable(formulation, integral, steep)
         if x is None or not proved(name):
             continue
         slope = integral.diff(x)
         symbol = level_of(name)
         rest = integral.subs({x: 0})
         given[x] = (name, symbol, integral)
-        left = [y for y in level.variables if y != x]
-        stages = ((x, (symbol - rest) / slope), *level.stages)
-        level = replace(level, stages=stages, parameters=(*level.parameters, symbol))
-        level = restrict(level, left)
-    return level, given
+        left = [y for y in formulation.variables if y != x]
+        stages = ((x, (symbol - rest) / slope), *formulation.stages)
+        formulation = replace(
+            formulation, stages=stages, parameters=(*formulation.parameters, symbol)
+        )
+        formulation = restrict(formulation, left)
+    return formulation, given
 
 
-def _solvable(level: Level, integral: Any, steep: Steep) -> Any | None:
+def _solvable(formulation: Formulation, integral: Any, steep: Steep) -> Any | None:
     """The variable that an integral gives well, if there is one."""
     inside = integral.free_symbols
     if is_many_valued(integral):
         return None
-    alone = {level.velocities[block[0]] for block in blocks(level) if len(block) == 1}
-    if not inside <= {*level.variables, *level.parameters, level.time}:
+    alone = {formulation.velocities[block[0]] for block in blocks(formulation) if len(block) == 1}
+    if not inside <= {*formulation.variables, *formulation.parameters, formulation.time}:
         return None
-    for x in reversed(level.variables):
-        if x not in inside or not (x in alone or x in level.positions):
+    for x in reversed(formulation.variables):
+        if x not in inside or not (x in alone or x in formulation.positions):
             continue
-        slope, moving = integral.diff(x), {*level.variables, level.time}
+        slope, moving = integral.diff(x), {*formulation.variables, formulation.time}
         if _differs(slope, moving) or (slope := _short(slope)).free_symbols & moving:
             continue
-        others = (integral.diff(y) for y in level.variables if y != x and y in inside)
+        others = (integral.diff(y) for y in formulation.variables if y != x and y in inside)
         if steep(slope, tuple(others)):
             return x
     return None
@@ -199,27 +208,27 @@ def is_many_valued(expr: Any) -> bool:
     return any(type(n).__name__ not in STEADY for n in composed)
 
 
-def _finite(level: Level) -> bool:
-    parts = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
-    parts += [e for _, e in level.stages] + [*level.outputs.values()]
+def _finite(formulation: Formulation) -> bool:
+    parts = [*formulation.rates, *formulation.force, *(e for row in formulation.mass for e in row)]
+    parts += [e for _, e in formulation.stages] + [*formulation.outputs.values()]
     return all(map(is_finite, map(se.sympify, parts)))
 
 
-def _tidy(level: Level) -> Level:
+def _tidy(formulation: Formulation) -> Formulation:
     """Normal forms again, after something was put in, where they have no more terms than it has
     operations; rates without denominators that cancel."""
-    if not level.exact or level.stages:
-        return level
-    flat = [*level.rates, *level.force, *(e for row in level.mass for e in row)]
+    if not formulation.exact or formulation.stages:
+        return formulation
+    flat = [*formulation.rates, *formulation.force, *(e for row in formulation.mass for e in row)]
     try:
-        flat = canonical_for_numbers(flat, level.form, Budget(terms=operations(flat)))
+        flat = canonical_for_numbers(flat, formulation.form, Budget(terms=operations(flat)))
     except EngineLimit:
-        return level
-    n, k = len(level.velocities), len(level.rates)
+        return formulation
+    n, k = len(formulation.velocities), len(formulation.rates)
     rows = flat[k + n :]
     return replace(
-        level,
-        rates=tuple(with_positive_denominators(e, level.relations) for e in flat[:k]),
+        formulation,
+        rates=tuple(with_positive_denominators(e, formulation.relations) for e in flat[:k]),
         force=tuple(flat[k : k + n]),
         mass=tuple(tuple(rows[i * n : (i + 1) * n]) for i in range(n)),
     )

@@ -1,4 +1,4 @@
-"""Other variables of a level: momenta in the place of velocities, and relative angles.
+"""Other variables of a formulation: momenta in the place of velocities, and relative angles.
 
 With momenta p = M(g) v the equations are p' = force + M' v.  For many bodies that is far shorter
 than M v' = force once v is known from p: a rolling ball's is G' = G x omega.  So the rate is
@@ -42,79 +42,84 @@ from voronec.equations.program import names_into, solve_mass
 from voronec.equations.program.straight import fresh_names
 from voronec.equations.relative_angles import turn
 from voronec.errors import EngineLimit
-from voronec.motion.model.level import Level, closure, dependence
+from voronec.motion.formulation.formulation import Formulation, closure, dependence
 
 
-def momenta_level(level: Level) -> Level | None:
+def momenta_formulation(formulation: Formulation) -> Formulation | None:
     """The equations in momenta; None where their rates are no shorter so."""
-    v, n = level.velocities, len(level.velocities)
-    if not level.exact or level.stages or not n:
+    v, n = formulation.velocities, len(formulation.velocities)
+    if not formulation.exact or formulation.stages or not n:
         return None
-    if not any(level.mass[i][j] != 0 for i, j in product(range(n), repeat=2) if i != j):
+    if not any(formulation.mass[i][j] != 0 for i, j in product(range(n), repeat=2) if i != j):
         return None  # a diagonal mass gains nothing
-    rate = dict(zip(level.positions, level.rates, strict=True))
-    momenta = [dot(row, v) for row in level.mass]
+    rate = dict(zip(formulation.positions, formulation.rates, strict=True))
+    momenta = [dot(row, v) for row in formulation.mass]
     changes = [
-        se.Add(f, p.diff(level.time), *[p.diff(q) * rate[q] for q in level.positions])
-        for f, p in zip(level.force, momenta, strict=True)
+        se.Add(f, p.diff(formulation.time), *[p.diff(q) * rate[q] for q in formulation.positions])
+        for f, p in zip(formulation.force, momenta, strict=True)
     ]
     try:
-        split = _split(changes, momenta, level)
+        split = _split(changes, momenta, formulation)
     except EngineLimit:
         return None
     if split is None:
         return None
-    names = _names(level, n)
+    names = _names(formulation, n)
     rates = [
         se.Add(rest, *[a * names[j] * v[k] for (j, k), a in numbers.items()])
         for numbers, rest in split
     ]
     return replace(
-        level,
-        name="momenta" if level.name == "coordinates" else f"{level.name} and momenta",
+        formulation,
+        name="momenta" if formulation.name == "coordinates" else f"{formulation.name} and momenta",
         velocities=tuple(names),
         mass=tuple(tuple(se.Integer(int(i == j)) for j in range(n)) for i in range(n)),
         force=tuple(rates),
-        stages=_solution(level, names),
-        inertia=level.mass,
+        stages=_solution(formulation, names),
+        inertia=formulation.mass,
         start={
-            **{x: e for x, e in level.start.items() if x not in v},
-            **{p: e.xreplace(dict(level.start)) for p, e in zip(names, momenta, strict=True)},
+            **{x: e for x, e in formulation.start.items() if x not in v},
+            **{p: e.xreplace(dict(formulation.start)) for p, e in zip(names, momenta, strict=True)},
         },
     )
 
 
-def _solution(level: Level, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]:
+def _solution(formulation: Formulation, names: Sequence[Any]) -> tuple[tuple[Any, Any], ...]:
     """Stages that give the velocities from the momenta: the mass matrix solved."""
     assignments: list[tuple[Any, Any]] = []
-    fresh = fresh_names([*level.variables, *level.parameters], "w_")
+    fresh = fresh_names([*formulation.variables, *formulation.parameters], "w_")
     name = names_into(assignments, fresh)
     solution = solve_mass(
-        level.mass, names, name, level.parameters, level.relations, level.positive
+        formulation.mass,
+        names,
+        name,
+        formulation.parameters,
+        formulation.relations,
+        formulation.positive,
     )
-    return (*assignments, *zip(level.velocities, solution, strict=True))
+    return (*assignments, *zip(formulation.velocities, solution, strict=True))
 
 
-def _names(level: Level, n: int) -> list[Any]:
+def _names(formulation: Formulation, n: int) -> list[Any]:
     """Symbols for the momenta that nothing else is called by."""
-    taken = {str(s) for s in (*level.variables, *level.parameters, *level.start)}
+    taken = {str(s) for s in (*formulation.variables, *formulation.parameters, *formulation.start)}
     letter = next(x for x in ("G", "p", "G_") if not any(f"{x}{i + 1}" in taken for i in range(n)))
     return [se.Symbol(f"{letter}{i + 1}") for i in range(n)]
 
 
 def _split(
-    changes: Sequence[Any], momenta: Sequence[Any], level: Level
+    changes: Sequence[Any], momenta: Sequence[Any], formulation: Formulation
 ) -> list[tuple[dict[tuple[int, int], Any], Any]] | None:
     """For each rate: the numbers a^jk that are not zero, and the rest."""
-    v = level.velocities
+    v = formulation.velocities
     pairs = [(j, k) for j in range(len(v)) for k in range(len(v))]
     products = [momenta[j] * v[k] for j, k in pairs]
-    plain = canonical([*changes, *products], level.relations)
-    ring = ring_over(plain, level.relations)
+    plain = canonical([*changes, *products], formulation.relations)
+    ring = ring_over(plain, formulation.relations)
     elements = [ring.fraction(e) for e in plain]
     if any(e.den for e in elements[len(changes) :]):
         return None
-    moving = [i for i, g in enumerate(ring.meaning) if g.free_symbols & set(level.positions)]
+    moving = [i for i, g in enumerate(ring.meaning) if g.free_symbols & set(formulation.positions)]
     columns = [_terms(e.num, moving) for e in elements[len(changes) :]]
     found: list[tuple[dict[tuple[int, int], Any], Any]] = []
     for element, change in zip(elements, changes, strict=False):
@@ -125,7 +130,7 @@ def _split(
             return None
         chosen = {pair: a for pair, a in zip(pairs, numbers, strict=True) if a != 0}
         rest = change - se.Add(*[a * products[pairs.index(jk)] for jk, a in chosen.items()])
-        found.append((chosen, canonical_for_numbers([rest], level.form)[0]))
+        found.append((chosen, canonical_for_numbers([rest], formulation.form)[0]))
     return found
 
 
@@ -160,36 +165,41 @@ _Form = tuple[int, ...]
 """The whole numbers by which angles stand in a linear form."""
 
 
-def relative_level(level: Level) -> Level | None:
+def relative_formulation(formulation: Formulation) -> Formulation | None:
     """The equations in relative angles; None where the velocities' equations change with a
     common shift of the angles, or have no normal form."""
-    if not level.exact or level.stages or level.system.charts or not _hints(level):
+    if (
+        not formulation.exact
+        or formulation.stages
+        or formulation.system.charts
+        or not _hints(formulation)
+    ):
         return None
     try:
-        found = _relative_angles(level)
-        return None if found is None else _rewrite_level(level, *found)
+        found = _relative_angles(formulation)
+        return None if found is None else _rewrite_formulation(formulation, *found)
     except EngineLimit:
         return None
 
 
-def _hints(level: Level) -> bool:
+def _hints(formulation: Formulation) -> bool:
     """Whether a normal form holds the sine or the cosine of several angles at once: only then are
     others looked at."""
-    exprs = [*level.force, *(e for row in level.mass for e in row)]
-    own = {*level.positions}
+    exprs = [*formulation.force, *(e for row in formulation.mass for e in row)]
+    own = {*formulation.positions}
     turned = (node.args[0] for node in atoms(exprs, se.sin, se.cos))
     return any(len(argument.free_symbols & own) > 1 for argument in turned)
 
 
-def _relative_angles(level: Level) -> tuple[dict[Any, Any], dict[Any, Any]] | None:
+def _relative_angles(formulation: Formulation) -> tuple[dict[Any, Any], dict[Any, Any]] | None:
     """New variables in terms of the angles, and the angles in terms of new variables and of those
     that stay."""
-    core = closure(dependence(level), level.velocities)
-    rates = [r for q, r in zip(level.positions, level.rates, strict=True) if q in core]
-    masses = [e for row in level.mass for e in row]
+    core = closure(dependence(formulation), formulation.velocities)
+    rates = [r for q, r in zip(formulation.positions, formulation.rates, strict=True) if q in core]
+    masses = [e for row in formulation.mass for e in row]
     angles, forms = _linear_forms(
-        [*rates, *level.force, *masses],
-        [q for q in level.positions if q in core],
+        [*rates, *formulation.force, *masses],
+        [q for q in formulation.positions if q in core],
     )
     basis = _independent([form for form, _ in forms.most_common()])
     if len(basis) in (0, len(angles)) or all(sum(map(bool, form)) < 2 for form in basis):
@@ -256,36 +266,40 @@ def _independent(forms: Iterable[_Form]) -> list[_Form]:
     return found
 
 
-def _rewrite_level(level: Level, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]) -> Level:
-    """The level in new variables: ``fresh`` as forms in the angles, ``turned`` the angles that are
-    given up, in the new ones."""
-    rate = dict(zip(level.positions, level.rates, strict=True))
+def _rewrite_formulation(
+    formulation: Formulation, fresh: Mapping[Any, Any], turned: Mapping[Any, Any]
+) -> Formulation:
+    """The formulation in new variables: ``fresh`` as forms in the angles, ``turned`` the angles
+    that are given up, in the new ones."""
+    rate = dict(zip(formulation.positions, formulation.rates, strict=True))
     new = [x for x in fresh if x not in rate]
-    kept = [q for q in level.positions if q not in turned]
+    kept = [q for q in formulation.positions if q not in turned]
     forms = [fresh[x] for x in new]
     moving = [se.Add(*[e.diff(q) * rate[q] for q in e.free_symbols]) for e in forms]
     moving += [rate[q] for q in kept]
     # mass and force are short already, and stand in the forms
     return replace(
-        level,
+        formulation,
         name="coordinates with relative angles",
         positions=(*new, *kept),
-        rates=tuple(canonical_for_numbers([turn(e, turned) for e in moving], level.form)),
-        force=tuple(turn(e, turned) for e in level.force),
-        mass=tuple(tuple(turn(e, turned) for e in row) for row in level.mass),
-        start={**level.start, **{x: fresh[x] for x in new}},
-        outputs={name: _plain(e, turned, level) for name, e in level.outputs.items()},
-        integrals={name: _plain(e, turned, level) for name, e in level.integrals.items()},
+        rates=tuple(canonical_for_numbers([turn(e, turned) for e in moving], formulation.form)),
+        force=tuple(turn(e, turned) for e in formulation.force),
+        mass=tuple(tuple(turn(e, turned) for e in row) for row in formulation.mass),
+        start={**formulation.start, **{x: fresh[x] for x in new}},
+        outputs={name: _plain(e, turned, formulation) for name, e in formulation.outputs.items()},
+        integrals={
+            name: _plain(e, turned, formulation) for name, e in formulation.integrals.items()
+        },
     )
 
 
-def _plain(expr: Any, turned: Mapping[Any, Any], level: Level) -> Any:
+def _plain(expr: Any, turned: Mapping[Any, Any], formulation: Formulation) -> Any:
     """A function in the new variables, without those that it holds in vain."""
     if not turned.keys() & expr.free_symbols:
         return expr
     moved = turn(expr, turned)
     try:
-        normal = canonical_for_numbers([moved], level.form)[0]
+        normal = canonical_for_numbers([moved], formulation.form)[0]
     except EngineLimit:
         return moved
     return normal if normal.free_symbols < moved.free_symbols else moved

@@ -48,7 +48,7 @@ from voronec.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
-class Formulation:
+class AmbientFormulation:
     """Equations in other variables for the motions of a system, ``home``.
 
     ``beside`` gives those of their velocities that no velocities of coordinates are, by name, as
@@ -125,13 +125,13 @@ def _exactly(value: Any) -> Any:
     return sp.Rational(value) if isinstance(value, float) else value
 
 
-def ambient_formulation(home: VoronecEquations, reactions: bool) -> Formulation | None:
+def ambient_formulation(home: VoronecEquations, reactions: bool) -> AmbientFormulation | None:
     """The ambient formulation of a system: in the velocities of its frame and those that it
     declares ``beside`` them, else, or where ``reactions`` are asked for, in those of its
     coordinates; None on groups, where forces are not smooth, and where the equations have no such
     form."""
 
-    def make() -> Formulation | None:
+    def make() -> AmbientFormulation | None:
         system, frame = home.system, home.system.frame
         form, bound = home.raw.form, system.constraints or system.fibration.relations
         if system.on_group or not bound or is_rough((), form.expressions, form.parameters):
@@ -178,7 +178,7 @@ def _with_reactions(
 # -- in the velocities of the coordinates ---------------------------------------------------
 
 
-def _on_coordinates(home: VoronecEquations) -> Formulation:
+def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
     system, frame, d = home.system, home.system.frame, home.definition
     mass = [[d.lagrangian.diff(u).diff(w) for u in d.dots] for w in d.dots]
     massless = len(generic_rows(mass, d.relations)) < len(mass)
@@ -202,7 +202,7 @@ def _on_coordinates(home: VoronecEquations) -> Formulation:
     conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
     form = replace(home.raw.form, velocities=d.dots)
     integrals = _integrals(system, d.bridge, {**meaning, **named}, form, conditions)
-    return Formulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
+    return AmbientFormulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
 
 
 def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
@@ -299,7 +299,7 @@ class _FrameFormulation:
         return found
 
     @property
-    def formulation(self) -> Formulation:
+    def formulation(self) -> AmbientFormulation:
         """The equations with the reactions, and how their velocities follow from those of home."""
         free = self.free
         sums, impulses = (_fresh(free, title, self.count) for title in ("sum", "impulse"))
@@ -341,7 +341,7 @@ class _FrameFormulation:
         fresh = {w: e for w, e in self.frame.definitions.items() if w not in own}
         found = canonical_for_numbers([below.read(e) for e in fresh.values()], below.form)
         beside = {plain_name(w): below.bridge.outward(e) for w, e in zip(fresh, found, strict=True)}
-        return Formulation(self.home, derive(system), beside, {})
+        return AmbientFormulation(self.home, derive(system), beside, {})
 
     def _in_chart(self, expr: Any, chart: Any) -> Any:
         """A function of the coordinates as one of those of a chart."""

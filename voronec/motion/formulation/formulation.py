@@ -1,8 +1,9 @@
-"""The equations of a system on one level: which variables, their rates, what is to be solved.
+"""The equations of a system in one formulation: which variables, their rates, what is to be solved.
 
     positions' = rates,   mass * velocities' = force
 
-Levels are proved to be equivalent: coordinates, invariants, and momenta in the place of velocities.
+Formulations are proved to be equivalent: coordinates, invariants, and momenta in the place of
+velocities.
 
 Where two functions of the invariants are a = r cos(q), b = r sin(q), with r free of the angle q,
 the angle is atan2(b, a) up to a half turn; and r itself, the root of a^2 + b^2 up to its sign, is
@@ -136,13 +137,13 @@ INFINITE = (se.zoo, se.nan, se.oo, -se.oo)
 
 
 @dataclass(frozen=True)
-class Level(EquationsOfMotion):
+class Formulation(EquationsOfMotion):
     """Equations in symengine, with what the wanted quantities are on them.
 
     ``stages`` are pairs (name, expression) that everything else may use.  ``start`` says what each
     variable is in terms of coordinates and velocities of the equations.  ``quantities`` holds the
-    wanted outputs and those first integrals that this level can express, by name; ``angles`` are
-    outputs that are read off invariants.  ``exact`` tells normal forms from expressions whose
+    wanted outputs and those first integrals that this formulation can express, by name; ``angles``
+    are outputs that are read off invariants.  ``exact`` tells normal forms from expressions whose
     symbols may be there in vain.  ``inertia`` is the mass matrix of the velocities, where momenta
     stand in for them.
     """
@@ -167,8 +168,9 @@ class Level(EquationsOfMotion):
         """What a ``Program`` is made of, with the stages."""
         return replace(super().form, stages=self.stages, positive=self.positive)
 
-    def substitute(self, values: Mapping[Any, Any]) -> Level:
-        """The level with symbols replaced; integrals that then have no meaning are left out."""
+    def substitute(self, values: Mapping[Any, Any]) -> Formulation:
+        """The formulation with symbols replaced; integrals that then have no meaning are left
+        out."""
         given = dict(values)
 
         def on(expr: Any) -> Any:
@@ -196,9 +198,9 @@ def is_finite(expr: Any) -> bool:
     )
 
 
-def coordinates_level(
+def coordinates_formulation(
     motions: Motions, wanted: Mapping[str, sp.Expr], integrals: Mapping[str, sp.Expr]
-) -> Level:
+) -> Formulation:
     """The equations in coordinates and the velocities of the frame.
 
     Normal forms where they are within the budget; else the straight-line form.
@@ -211,7 +213,7 @@ def coordinates_level(
         outputs = {name: _plainest(flow, e) for name, e in outputs.items()}
         claims = {name: _plainest(flow, e) for name, e in claims.items()}
     d = equations.definition
-    level = Level(
+    formulation = Formulation(
         name="coordinates",
         system=equations.system,
         positions=flow.positions,
@@ -228,9 +230,11 @@ def coordinates_level(
         exact=exact,
     )
     if exact or d.group is not None:
-        return level
+        return formulation
     lean = equations.form
-    return replace(level, rates=lean.rates, mass=lean.mass, force=lean.force, stages=lean.stages)
+    return replace(
+        formulation, rates=lean.rates, mass=lean.mass, force=lean.force, stages=lean.stages
+    )
 
 
 def _plainest(flow: VectorField, expr: Any) -> Any:
@@ -252,12 +256,12 @@ def _readable(flow: VectorField, exprs: Mapping[str, sp.Expr]) -> dict[str, Any]
     return found
 
 
-def invariants_level(
+def invariants_formulation(
     motions: Motions,
     wanted: Mapping[str, sp.Expr],
     integrals: Mapping[str, sp.Expr],
     followed: Collection[str] = (),
-) -> Level | None:
+) -> Formulation | None:
     """The equations in the declared invariants and the velocities; None where they do not close.
 
     A coordinate that is wanted and is no function of the invariants is kept beside them, with all
@@ -280,7 +284,7 @@ def invariants_level(
     d = motions.equations.definition
     bridge = motions.equations.bridge
     start = {se.Symbol(name): bridge.inward(g) for name, g in motions.system.invariants.items()}
-    return Level(
+    return Formulation(
         name="invariants",
         system=motions.system,
         positions=(*flow.positions, *kept),
@@ -344,9 +348,9 @@ Sources = Mapping[Any, tuple[Any, ...]]
 """The variables that the rate of each variable holds."""
 
 
-def blocks(level: Level) -> list[list[int]]:
+def blocks(formulation: Formulation) -> list[list[int]]:
     """Positions of velocities that the mass matrix couples, block by block."""
-    mass, left = level.mass, [*range(len(level.velocities))]
+    mass, left = formulation.mass, [*range(len(formulation.velocities))]
     coupled = {i: [j for j in left if mass[i][j] != 0 or mass[j][i] != 0] for i in left}
     found = []
     while left:
@@ -356,24 +360,25 @@ def blocks(level: Level) -> list[list[int]]:
     return found
 
 
-def dependence(level: Level) -> Sources:
-    """What the rate of each variable of a level holds."""
+def dependence(formulation: Formulation) -> Sources:
+    """What the rate of each variable of a formulation holds."""
     found = {
-        q: tuple(holds(level, [rate])) for q, rate in zip(level.positions, level.rates, strict=True)
+        q: tuple(holds(formulation, [rate]))
+        for q, rate in zip(formulation.positions, formulation.rates, strict=True)
     }
-    for block in blocks(level):
-        inside = [level.mass[i][j] for i in block for j in block]
-        inside += [level.force[i] for i in block]
-        own = [level.velocities[i] for i in block]
+    for block in blocks(formulation):
+        inside = [formulation.mass[i][j] for i in block for j in block]
+        inside += [formulation.force[i] for i in block]
+        own = [formulation.velocities[i] for i in block]
         shared = own if len(own) > 1 else []
-        sources = tuple(dict.fromkeys([*holds(level, inside), *shared]))
+        sources = tuple(dict.fromkeys([*holds(formulation, inside), *shared]))
         found |= dict.fromkeys(own, sources)
     return found
 
 
-def holds(level: Level, exprs: Iterable[Any]) -> list[Any]:
-    """The variables of a level on which expressions depend, those inside stages included."""
-    stages = dict(level.stages)
+def holds(formulation: Formulation, exprs: Iterable[Any]) -> list[Any]:
+    """The variables of a formulation on which expressions depend, those inside stages included."""
+    stages = dict(formulation.stages)
     seen: set[Any] = set()
     stack = [s for e in exprs for s in e.free_symbols]
     while stack:
@@ -382,16 +387,16 @@ def holds(level: Level, exprs: Iterable[Any]) -> list[Any]:
             seen.add(symbol)
             if symbol in stages:
                 stack.extend(stages[symbol].free_symbols)
-    return [x for x in level.variables if x in seen]
+    return [x for x in formulation.variables if x in seen]
 
 
-def needed_variables(level: Level, sources: Sources) -> list[Any]:
+def needed_variables(formulation: Formulation, sources: Sources) -> list[Any]:
     """The smallest closed set of variables on which the outputs depend."""
-    exprs = [*level.outputs.values()]
-    for angle in level.angles.values():
+    exprs = [*formulation.outputs.values()]
+    for angle in formulation.angles.values():
         exprs += [angle.cosine, angle.sine]
-    closed = closure(sources, holds(level, exprs))
-    return [x for x in level.variables if x in closed]
+    closed = closure(sources, holds(formulation, exprs))
+    return [x for x in formulation.variables if x in closed]
 
 
 def cyclic(sources: Sources, kept: Sequence[Any]) -> set[Any]:
@@ -412,87 +417,89 @@ def closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[A
     return found
 
 
-def restrict(level: Level, kept: Iterable[Any]) -> Level:
-    """The level with some of its variables; the rest must not occur in what is kept."""
+def restrict(formulation: Formulation, kept: Iterable[Any]) -> Formulation:
+    """The formulation with some of its variables; the rest must not occur in what is kept."""
     held = set(kept)
-    at = [i for i, q in enumerate(level.positions) if q in held]
-    moving = [i for i, v in enumerate(level.velocities) if v in held]
-    usable = {*held, *level.parameters, level.time}
+    at = [i for i, q in enumerate(formulation.positions) if q in held]
+    moving = [i for i, v in enumerate(formulation.velocities) if v in held]
+    usable = {*held, *formulation.parameters, formulation.time}
     stages = []
-    for name, expr in level.stages:
+    for name, expr in formulation.stages:
         if expr.free_symbols <= usable:
             stages.append((name, expr))
             usable.add(name)
     return replace(
-        level,
-        positions=tuple(level.positions[i] for i in at),
-        velocities=tuple(level.velocities[i] for i in moving),
-        rates=tuple(level.rates[i] for i in at),
-        mass=tuple(tuple(level.mass[i][j] for j in moving) for i in moving),
-        force=tuple(level.force[i] for i in moving),
-        relations=tuple(r for r in level.relations if r.free_symbols <= usable),
-        integrals={n: e for n, e in level.integrals.items() if e.free_symbols <= usable},
+        formulation,
+        positions=tuple(formulation.positions[i] for i in at),
+        velocities=tuple(formulation.velocities[i] for i in moving),
+        rates=tuple(formulation.rates[i] for i in at),
+        mass=tuple(tuple(formulation.mass[i][j] for j in moving) for i in moving),
+        force=tuple(formulation.force[i] for i in moving),
+        relations=tuple(r for r in formulation.relations if r.free_symbols <= usable),
+        integrals={n: e for n, e in formulation.integrals.items() if e.free_symbols <= usable},
         stages=tuple(stages),
     )
 
 
-def keep_relations(level: Level) -> Level:
-    """The level with rates that keep each relation r of its positions also beside the motion.
+def keep_relations(formulation: Formulation) -> Formulation:
+    """The formulation with rates that keep each relation r of its positions also beside the motion.
 
     Where r = 0 rates may be written in many ways, and D r = sum of dr/dx x' is a multiple c r.  If
     it is not zero, what rounding takes r off zero grows as exp(int c dt).  On a sphere, sum of
     x_i^2 = k, the rates are x_j' = sum_i x_i (x_i x_j' - x_j x_i')/k, which keep it identically;
     a root h^2 = f(x) has the rate that f gives it.
     """
-    rates = dict(zip(level.positions, level.rates, strict=True))
-    own = {*level.positions, *level.parameters}
-    relations = [r for r in level.relations if r.free_symbols <= own] if level.exact else []
+    rates = dict(zip(formulation.positions, formulation.rates, strict=True))
+    own = {*formulation.positions, *formulation.parameters}
+    relations = (
+        [r for r in formulation.relations if r.free_symbols <= own] if formulation.exact else []
+    )
     try:
         for mend in (_on_sphere, _of_root):
             for relation in relations:
                 lost = se.Add(*[relation.diff(x) * rate for x, rate in rates.items()])
                 if canonical([lost])[0] != 0:
-                    rates |= mend(level, relation, rates)
+                    rates |= mend(formulation, relation, rates)
     except EngineLimit:
-        return level
-    return replace(level, rates=tuple(rates.values()))
+        return formulation
+    return replace(formulation, rates=tuple(rates.values()))
 
 
-def _on_sphere(level: Level, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
+def _on_sphere(formulation: Formulation, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
     """Rates that keep a sphere, by what turns its points; none for another relation."""
-    held = [x for x in level.positions if x in relation.free_symbols]
+    held = [x for x in formulation.positions if x in relation.free_symbols]
     scale = relation.diff(held[0]).diff(held[0]) / 2
     size = se.expand(se.Add(*[x**2 for x in held]) - relation / scale) if scale != 0 else None
-    if size is None or size == 0 or not size.free_symbols <= set(level.positive):
+    if size is None or size == 0 or not size.free_symbols <= set(formulation.positive):
         return {}
     pairs = list(combinations(held, 2))
     turning = [x * rates[y] - y * rates[x] for x, y in pairs]
-    turns = shortest(turning, level.relations)
+    turns = shortest(turning, formulation.relations)
     found = dict.fromkeys(held, se.Integer(0))
     for (x, y), turn in zip(pairs, turns, strict=True):
         found[x] -= y * turn / size
         found[y] += x * turn / size
-    return {x: with_positive_denominators(e, level.relations) for x, e in found.items()}
+    return {x: with_positive_denominators(e, formulation.relations) for x, e in found.items()}
 
 
-def _of_root(level: Level, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
+def _of_root(formulation: Formulation, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
     """The rate of a root that f gives, where that divides by nothing that may vanish; else none."""
-    for h in level.positions:
+    for h in formulation.positions:
         slope = relation.diff(h)
         if slope == 0 or not (slope / h).is_Number:
             continue
         others = [relation.diff(x) * rate for x, rate in rates.items() if x != h]
         (rate,) = shortest([-se.Add(*others) / slope])
         square = se.expand(h**2 - 2 * h / slope * relation)
-        if _divides(h, rates[h]) or not _divides(h, rate) or _is_definite(level, square):
+        if _divides(h, rates[h]) or not _divides(h, rate) or _is_definite(formulation, square):
             return {h: rate}
     return {}
 
 
-def _is_definite(level: Level, square: Any) -> bool:
+def _is_definite(formulation: Formulation, square: Any) -> bool:
     """Whether a polynomial is a sum of the squares of all that lies on a sphere."""
-    free = [t for t in summands(square) if not t.free_symbols & set(level.positions)]
-    for relation in map(se.expand, level.relations):
+    free = [t for t in summands(square) if not t.free_symbols & set(formulation.positions)]
+    for relation in map(se.expand, formulation.relations):
         if _constant(relation) != 0:
             found = se.expand(square - se.Add(*free) / _constant(relation) * relation)
             if relation.free_symbols <= found.free_symbols and _is_positive(found):

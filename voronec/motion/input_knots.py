@@ -17,7 +17,15 @@ import numpy as np
 from voronec.equations.program import compile_program
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Arrival, Phase, Progress, Solver
-from voronec.motion.steppers.run import Integrator, Problem, Run, Termination, exact_mpf
+from voronec.motion.steppers import (
+    MEND,
+    ControllerFailure,
+    Integrator,
+    Problem,
+    Run,
+    Termination,
+    exact_mpf,
+)
 
 BESIDE = 1e-9
 """An event that is closer than this part of a piece to its end happens there, or not at all."""
@@ -34,7 +42,12 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
     own = replace(
         problem, start=problem.start.copy(), parameters=given, progress=progress, changing=left
     )
-    once = None if anew else make(own)
+    once, told = None if anew else make(own), problem.told()
+
+    def ask(time: float, state: np.ndarray) -> None:
+        for feedback in changing.feedbacks:
+            if feedback.is_sampled:
+                feedback.sample(time, lambda: told(time, state.astype(float).tolist(), given))
 
     def on_piece(state: np.ndarray, times: np.ndarray) -> Run:
         times = times.astype(float)
@@ -42,7 +55,11 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
         given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
         own.start[:] = state.astype(float)
         if once is not None:
-            return once(times)
+            try:
+                return once(times)
+            except ControllerFailure as failure:  # where it is asked first
+                halt = Termination(str(failure), float(times[0]), state, mend=MEND)
+                return Solver(times, problem.events, problem.dense).run(halt)
 
         def exact(bits: int) -> tuple[np.ndarray, Sequence[Any]]:
             first, known = problem.exact(bits) if problem.exact else (state, problem.parameters)
@@ -54,10 +71,12 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
 
     def run(grid: np.ndarray) -> Run:
         first, last = float(grid[0]), float(grid[-1])
-        knots = _Knots(problem, on_piece, last, iter(changing.knots(first, last)))
+        for feedback in changing.feedbacks:
+            feedback.values.clear()
+        knots = _Knots(problem, on_piece, ask, last, iter(changing.knots(first, last)))
         bits = max(DOUBLE, ceil(-log2(problem.tol)))
         solver = Solver(grid, problem.events, problem.dense, progress, bits)
-        return solver.run(knots.phase(first, problem.start))
+        return solver.run(knots.begin(first, problem.start))
 
     return run
 
@@ -67,14 +86,29 @@ class _Knots:
     """The change from one piece to the next, up to the ``last`` instant of the grid.
 
     The integrators of the pieces see the end of a run there, or its start: which events happen at
-    the change is told by the ``signs`` of their functions on both sides.
+    the change is told by the ``signs`` of their functions on both sides.  Controllers that are due
+    there are asked first.
     """
 
     problem: Problem
     on_piece: Callable[[np.ndarray, np.ndarray], Run]
+    ask: Callable[[float, np.ndarray], None]
     last: float
     knots: Iterator[float]
     signs: dict[str, float] = field(default_factory=dict)
+
+    def begin(
+        self, time: float, state: np.ndarray, before: float | None = None
+    ) -> Phase | Termination:
+        """The piece from a time on, with what happens just there, where another one came
+        ``before`` it."""
+        try:
+            self.ask(time, state)
+        except ControllerFailure as failure:
+            return Termination(str(failure), time, state, mend=MEND)
+        if before is None or self.problem.levels is None:
+            return self.phase(time, state)
+        return self.phase(time, state, [*self.events_at(state, before, time)])
 
     def phase(self, time: float, state: np.ndarray, happened: Sequence[Guard] = ()) -> Phase:
         """The piece from a time on.  Between two neighbours among the doubles, where a function of
@@ -104,9 +138,7 @@ class _Knots:
         """The next piece, with what happens just where it begins."""
         if here.halt is not None:
             return here.halt
-        begin, end = float(phase.time), phase.end
-        happened = [*self.events_at(here.home, begin, end)] if self.problem.levels else ()
-        return self.phase(end, here.home, happened)
+        return self.begin(phase.end, here.home, float(phase.time))
 
     def events_at(self, state: np.ndarray, first: float, end: float) -> Iterator[Guard]:
         """The events whose functions change sign at the end of a piece, by a jump or not."""

@@ -1,0 +1,285 @@
+"""Variational equations, periodic orbits with their multipliers, Lyapunov exponents and rotation
+numbers, against closed forms, finite differences in many digits and published values."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.special import ellipk, mathieu_a, mathieu_b
+
+import voronec as vo
+from voronec.cli import main
+from voronec.dynamics import PhaseSpace, variational_flow
+
+x, y, z, tau = sp.symbols("x y z tau")
+vx, vy = vo.velocity(x), vo.velocity(y)
+delta, eps = sp.symbols("delta epsilon")
+
+
+def pendulum() -> vo.System:
+    energy = vx**2 / 2 + 1 - sp.cos(x)
+    lagrangian = vx**2 / 2 + sp.cos(x)
+    plane = vo.Fibration(base=(x,))
+    return vo.System("pendulum", plane, lagrangian, integrals={"energy": energy})
+
+
+def mathieu() -> vo.System:
+    """x = A cos t, y = 0 is a motion; beside it y'' + (delta + epsilon A cos t) y = 0."""
+    potential = x**2 / 2 + y**2 * (delta + eps * x) / 2
+    kinetic = (vx**2 + vy**2) / 2
+    return vo.System(
+        "mathieu", vo.Fibration(base=(x, y)), kinetic - potential,
+        parameters=(vo.Parameter(delta, 0.3), vo.Parameter(eps, 0.2)),
+        integrals={"energy": kinetic + potential},
+    )  # fmt: skip
+
+
+def henon_heiles() -> vo.System:
+    potential = (x**2 + y**2) / 2 + x**2 * y - y**3 / 3
+    kinetic = (vx**2 + vy**2) / 2
+    return vo.System(
+        "henon-heiles", vo.Fibration(base=(x, y)), kinetic - potential,
+        integrals={"energy": kinetic + potential},
+    )  # fmt: skip
+
+
+def lorenz() -> vo.System:
+    """The equations of Lorenz as constraints; what is free moves uniformly."""
+    v = vo.velocity
+    rows = (v(x) - 10 * (y - x), v(y) - x * (28 - z) + y, v(z) - x * y + sp.Rational(8, 3) * z)
+    return vo.System("lorenz", vo.Fibration(base=(tau,), fibre=(x, y, z)), v(tau) ** 2 / 2, rows)
+
+
+def test_variations_are_finite_differences_in_many_digits() -> None:
+    space = PhaseSpace.of(henon_heiles(), None, {"x": 0.1, "y": -0.2, vx: 0.3}, None, None, ())
+    flow, start, end = space.flow(), space.motions.states[0], 1.0
+    state = flow.start(start)
+    flow.go(state, end, space.motions.values[0], 1e-14)
+
+    def rates(_: Any, s: Any) -> list[Any]:
+        own = dict(zip(space.names, s, strict=True))
+        a, b = own["x"], own["y"]
+        slopes = {"x": own["xdot"], "y": own["ydot"], "xdot": -a - 2 * a * b,
+                  "ydot": -b - a**2 + b**2}  # fmt: skip
+        return [slopes[name] for name in space.names]
+
+    with mp.workdps(40):
+
+        def at(s: Any) -> Any:
+            return mp.matrix(mp.odefun(rates, 0, s, tol=mp.mpf(10) ** -30)(end))
+
+        base, step = [mp.mpf(float(s)) for s in start], mp.mpf(10) ** -12
+        for j in range(4):
+            up, down = ([*base[:j], base[j] + h, *base[j + 1 :]] for h in (step, -step))
+            slope = (at(up) - at(down)) / (2 * step)
+            assert np.allclose(state.columns[:, j], [float(s) for s in slope], atol=1e-12)
+
+
+def test_without_a_compiler_scipy_gives_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    start = {"x": 0.1, "y": -0.2, vx: 0.3}
+    space = PhaseSpace.of(henon_heiles(), None, start, None, None, ())
+    compiled = space.flow()
+    monkeypatch.setenv("PATH", "")
+    by_scipy = variational_flow.__wrapped__(space.motions.program)
+    assert compiled.compiled
+    assert not by_scipy.compiled
+    found = []
+    for flow in (compiled, by_scipy):
+        state = flow.start(space.motions.states[0])
+        flow.go(state, 20.0, space.motions.values[0], 1e-12, 4)
+        found.append([*state.x, *state.logs, state.divergence])
+    assert np.allclose(*found, atol=1e-8)
+
+
+def test_a_pendulum_has_its_period_in_closed_form() -> None:
+    family = vo.periodic(
+        pendulum(), initial={"x": 1.0}, variables=("x",), along="energy", to=1.8, points=9
+    )
+    assert family.ended == "complete"
+    assert family["energy"][-1] == pytest.approx(1.8, abs=1e-11)
+    for orbit in family:
+        assert orbit.period == pytest.approx(4 * ellipk(orbit["energy"] / 2), abs=1e-10)
+        assert orbit.closure < 1e-10
+        assert len(orbit.trivial) == 2
+        assert orbit.trivial_defect < 1e-8
+
+
+def test_a_pendulum_that_turns_over_closes_up_to_a_turn() -> None:
+    (orbit,) = vo.periodic(pendulum(), initial={"x": 0.0, vx: 2.5}, variables=("x",))
+    assert [*orbit.turns] == [1, 0]
+    square = 4 / 2.5**2  # of the modulus, with which T = 2 k K(k)
+    speed = np.sqrt(2 * orbit["energy"])
+    square = 4 / speed**2
+    assert orbit.period == pytest.approx(4 / speed * ellipk(square), abs=1e-10)
+
+
+def test_periods_double_where_mathieu_functions_say() -> None:
+    """delta + epsilon A cos t with t = 2 s is Mathieu's equation, a = 4 delta, q = -2 epsilon A;
+    solutions change their sign after a period of x on a_1 and b_1."""
+    amplitude, strength = 1.0, 0.2
+    family = vo.periodic(
+        mathieu(), initial={"x": amplitude}, variables=("x", "y"), parameters={"delta": 0.12},
+        hold=("energy",), along="delta", to=0.4, points=15,
+    )  # fmt: skip
+    q = 2 * strength * amplitude
+    expected = sorted([float(mathieu_a(1, q)) / 4, float(mathieu_b(1, q)) / 4])
+    assert sorted(c.value for c in family.doublings) == pytest.approx(expected, abs=1e-9)
+    inside = [expected[0] < d < expected[1] for d in family["delta"]]
+    assert [o.stability == "unstable" for o in family] == inside
+    for orbit in family:
+        assert orbit.period == pytest.approx(2 * np.pi, abs=1e-9)
+        assert abs(np.prod(orbit.multipliers) - 1) < 1e-9  # areas are preserved
+
+
+def test_multiple_shooting_finds_what_single_shooting_does() -> None:
+    one, five = (
+        vo.periodic(henon_heiles(), initial={"y": 0.3}, variables=("x", "y"), hold=("energy",),
+                    segments=m).orbits[0]
+        for m in (1, 5)
+    )  # fmt: skip
+    assert five.period == pytest.approx(one.period, abs=1e-9)
+    assert np.allclose(
+        np.sort_complex(five.multipliers), np.sort_complex(one.multipliers), atol=1e-7
+    )
+    assert one["energy"] == pytest.approx(0.3**2 / 2 - 0.3**3 / 3, abs=1e-12)
+
+
+def test_a_family_of_the_falling_disc_keeps_its_trivial_multipliers() -> None:
+    family = vo.periodic(vo.load("falling-disc"), along="R", to=1.1, points=4)
+    assert family["R"][0] == pytest.approx(1.0)
+    assert family["R"][-1] == pytest.approx(1.1)
+    assert max(orbit.closure for orbit in family) < 1e-10
+    assert max(orbit.trivial_defect for orbit in family) < 1e-8
+    assert {len(orbit.trivial) for orbit in family} == {4}  # flow, energy, relation, R
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"initial": {"x": 0.0}, "variables": ("x",)}, "equilibrium"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "period": -1.0}, "above 0"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "hold": ("enrgy",)}, "did you mean 'energy'"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "along": "g", "to": 1.0}, "neither"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "along": "energy"}, "both or none"),
+        ({"initial": {"x": 1.0}, "variables": ("x",), "segments": 0}, "1 to"),
+    ],
+)
+def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(vo.DefinitionError, match=words):
+        vo.periodic(pendulum(), **given)
+
+
+def test_exponents_of_lorenz_are_as_published() -> None:
+    found = vo.exponents(
+        lorenz(), initial={"x": 1, "y": 1, "z": 20}, variables=("x", "y", "z"), bar=0.01
+    )
+    published = np.array([0.9056, 0.0, -14.5723])  # [Sprott2003]
+    assert found.is_settled[0]
+    assert (np.abs(found.values[0] - published) <= found.bars[0] + 1e-4).all()
+    assert found.zeros[0] == found.least_zeros[0] == 1
+    assert found.divergence[0] == pytest.approx(-10 - 1 - 8 / 3, abs=1e-9)
+    assert found.sum_defects[0] < 1e-7
+
+
+def test_exponents_of_henon_and_heiles_come_in_pairs() -> None:
+    start = {"x": 0, "y": -0.25, vx: 0.42081}
+    found = vo.exponents(henon_heiles(), initial=start, bar=0.02, until=3e4)
+    assert found.least_zeros[0] == found.zeros[0] == 2
+    assert abs(found.values[0, 0] - 0.047) <= found.bars[0, 0]  # [Skokos2010]
+    assert found.pair_defects[0] < 1e-8
+    assert found.reversal is not None
+    assert found.drift[0] < 1e-5
+
+
+@pytest.mark.parametrize("name", ["chaplygin-ball", "zhukovsky-ball", "bobylev-ball"])
+def test_integrable_balls_have_zeros_alone(name: str) -> None:
+    found = vo.exponents(vo.load(name), bar=0.01)
+    assert found.is_settled[0]
+    assert found.zeros[0] == len(found.variables)
+    assert (np.abs(found.values) < 0.01).all()
+
+
+def test_exponents_of_a_linear_system_are_real_parts() -> None:
+    """x'' + 2 c x' + x = 0: both exponents are -c; a motion at rest is an equilibrium."""
+    c = sp.Symbol("c")
+    system = vo.System(
+        "damped", vo.Fibration(base=(x,)), vx**2 / 2 - x**2 / 2, forces={x: -2 * c * vx},
+        parameters=(vo.Parameter(c, 0.25),),
+    )  # fmt: skip
+    found = vo.exponents(system, starts=[{"x": 1.0}, {"x": 0.5}], variables=("x",), bar=1e-2)
+    assert (np.abs(found.values + 0.25) <= found.bars).all()
+    assert [*found.least_zeros] == [0, 0]
+    table = found.to_pandas()
+    assert len(table) == 4
+
+
+def test_rough_right_sides_are_refused() -> None:
+    system = vo.System(
+        "rough", vo.Fibration(base=(x,)), vx**2 / 2 - x**2 / 2, forces={x: -sp.sign(vx)}
+    )
+    with pytest.raises(vo.DefinitionError, match="not smooth"):
+        vo.exponents(system, initial={"x": 1.0}, variables=("x",))
+
+
+@pytest.mark.parametrize(
+    "given", [{"count": 0}, {"count": 9}, {"bar": 0.0}, {"until": -1.0}, {"initial": {"a": 1}}]
+)
+def test_numbers_that_make_no_sense_are_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(vo.DefinitionError):
+        vo.exponents(vo.load("chaplygin-ball"), **given)
+
+
+def test_the_command_line_tells_exponents(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["exponents", "chaplygin-ball", "--bar", "0.02", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["zeros"] == 6
+    assert found["settled"]
+    assert main(["exponents", "chaplygin-ball", "--bar", "1e-9", "--until", "100"]) == 1
+    said = capsys.readouterr()
+    assert "not settled" in said.out
+    assert "have settled" in said.err
+    assert main(["exponents", "chaplygin-ball", "--bar", "-1"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_the_command_line_tells_orbits(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["periodic", "falling-disc", "--along", "R=1.05", "--points", "3"]
+    assert main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["ended"] == "complete"
+    assert all(orbit["trivial_defect"] < 1e-8 for orbit in found["orbits"])
+    assert main(words) == 0
+    assert "spectrally stable" in capsys.readouterr().out
+    assert main(["periodic", "falling-disc", "--along", "radius=2"]) == 2
+    assert "neither a proved integral nor a parameter" in capsys.readouterr().err
+
+
+def test_rotation_numbers_of_independent_oscillators_are_quotients() -> None:
+    """Between two passages of x through 0 the other oscillator turns by its frequency."""
+    root = sp.sqrt(2)
+    system = vo.System(
+        "oscillators", vo.Fibration(base=(x, y)), (vx**2 + vy**2 - x**2 - 2 * y**2) / 2
+    )
+    found = vo.section(
+        system, "x", ("y", "ydot"), starts=[{vx: 1.0, "y": 0.5}, {vx: 1.0}], crossings=400
+    )
+    numbers = vo.rotation_numbers(found)
+    # (y, y') turns clockwise, by a part 1 - (sqrt 2 - 1) from y to y'
+    assert numbers.values[0] == pytest.approx(1 - float(root - 1), abs=1e-8)
+    assert numbers.bars[0] < 1e-6
+    assert np.isnan(numbers.values[1])  # a single point has none
+
+
+def test_sweeps_record_exponents(tmp_path: Any) -> None:
+    found = vo.sweep(
+        pendulum(), {"x": [0.5, 1.0]}, record=["exponents(2)"], out=tmp_path / "run.zarr",
+        times=200.0, jobs=1, initial={"xdot": 0.1},
+    )  # fmt: skip
+    table = found.to_xarray()
+    assert (np.abs(table["exponent(1)"]) <= table["bar(1)"] + 1e-9).all()
+    assert (table["exponent(2)"] <= table["exponent(1)"]).all()

@@ -1,0 +1,360 @@
+"""Steady motions, their families, spectra and critical values."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from itertools import product
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+from command_line import Call, refused
+from scipy.linalg import qr
+
+import voronec as vo
+from voronec.errors import DefinitionError
+
+SMALL = (-30, 30)
+
+
+def moving(name: str, at: Mapping[str, Any], **options: Any) -> vo.SteadyMotion:
+    """The motion with these values, one that is not at rest where there is one."""
+    found = vo.steady(vo.load(name), at=at, **options)
+    return next((m for m in found if not m.is_rest), found[0])
+
+
+@pytest.mark.parametrize("lean", ["1/5", "1/2", "-7/10"])
+def test_steady_turns_of_a_disc_balance_their_moments(lean: str) -> None:
+    motion = moving("falling-disc", {"gamma3": lean, "s": "3/2"})
+    g2, g3, p, q, s = motion.y
+    # m g R sin - A tan q^2 - (C + m R^2) q s = 0 with m = g = R = 1, A = 1/4, C = 1/2
+    assert g3 - g3 / g2 * q**2 / 4 - 1.5 * q * s == pytest.approx(0, abs=1e-12)
+    assert p == 0 and g3 == pytest.approx(float(sp.Rational(lean)), abs=1e-14)
+
+
+def test_a_steady_motion_stays_as_it_is() -> None:
+    motion = moving("falling-disc", {"gamma3": "1/2", "s": 2, "gamma2": "sqrt(3)/2"})
+    start = {"theta": sp.pi / 6, "p": 0, "q": motion.point["q"], "s": 2}
+    found = vo.integrate(vo.load("falling-disc"), initial=start, times=np.linspace(0, 20, 21),
+                         outputs=("theta", "q", "s"))  # fmt: skip
+    assert max(np.ptp(found[name]) for name in ("theta", "q", "s")) < 1e-10
+
+
+def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> None:
+    found = vo.steady(vo.load("suslov"))
+    assert [(m.kind, m.dimension) for m in found] == [("rest", 2), ("steady motion", 1)]
+    turning = found[1]
+    # about the axis M3 = I13 omega1 + I23 omega2 = 0
+    assert turning.point["omega1"] / 5 + 2 * turning.point["omega2"] / 5 == pytest.approx(0)
+
+
+def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
+    ball = moving("chaplygin-ball", {"gamma2": 1, "omega2": 1})
+    assert ball.verdict.word == "unstable" and ball.verdict.proved
+    # about the long axis
+    ball = moving("chaplygin-ball", {"gamma1": 1, "omega1": 1})
+    assert ball.verdict.word == "spectrally stable" and not ball.verdict.proved
+    suslov = moving("suslov", {"omega2": -1})
+    assert suslov.verdict.proved
+    assert moving("suslov", {"omega2": 1}).verdict.word == "linearly attracting"
+
+
+def test_roots_are_not_negative() -> None:
+    for motion in vo.steady(vo.load("rattleback"), at={"omega3": 1}):
+        assert motion.point["height"] > 0
+
+
+def test_the_critical_spin_of_a_rolling_disc() -> None:
+    # s^2 = m g R A/(C (C + m R^2)) = 1/3
+    found = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 2}).along("s", (0, 3), hold="q")
+    (critical,) = found.critical
+    assert (critical.way, critical.below, critical.above) == ("real", 1, 0)
+    with mp.workdps(30):
+        assert abs(critical.exact - 1 / mp.sqrt(3)) < 1e-25
+    assert {*found.unstable} == {0, 1}
+
+
+def test_the_critical_spin_of_a_disc_on_its_edge_turning_about_the_vertical() -> None:
+    # q^2 = m g R/(A + m R^2 - ...) : 4/5 with these values
+    found = moving("falling-disc", {"gamma3": 0, "s": 0, "q": 1}).along("q", ("1/10", 3))
+    (critical,) = found.critical
+    with mp.workdps(30):
+        assert abs(critical.exact**2 - mp.mpf(4) / 5) < 1e-25
+
+
+def test_a_rattleback_is_stable_one_way_above_a_threshold() -> None:
+    motion = moving("rattleback", {"gamma3": 1, "omega3": "1/2"})
+    found = motion.along("omega3", (-2, 2), count=40)
+    low, high = found.critical
+    assert low.way == high.way == "pair"
+    assert low.value == pytest.approx(-high.value, abs=1e-12)
+    assert [low.below, low.above, high.below, high.above] == [4, 2, 2, 0]
+
+
+def test_a_parameter_changes_with_what_is_free_held() -> None:
+    motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
+    found = motion.along("g", ("1/10", 5), hold=("s", "q"))
+    (critical,) = found.critical  # s^2 C (C + m R^2) = m g R A
+    assert critical.value == pytest.approx(3, abs=1e-12)
+    assert found.at(critical.value).point["g"] == pytest.approx(3)
+
+
+def test_folds_and_branch_points_are_located() -> None:
+    # x'' = a - x^2 - x' folds at a = 0; x'' = a x - x^3 - x' branches there
+    x, a = sp.symbols("x a")
+    for potential, kind in ((a * x - x**3 / 3, "fold"), (a * x**2 / 2 - x**4 / 4, "branch")):
+        system = vo.System(
+            name=kind, fibration=vo.Fibration(base=(x,), fibre=()), constraints=(),
+            lagrangian=vo.velocity(x) ** 2 / 2 + potential,
+            forces={x: -vo.velocity(x)}, parameters=(vo.Parameter(a, 1),),
+        )  # fmt: skip
+        (start,) = vo.steady(system, at={"x": 1} if kind == "fold" else {"x": 0})
+        found = start.along("a", (-1, 2), count=50)
+        if kind == "fold":
+            assert found.folds == pytest.approx([0], abs=1e-10)
+            assert found["x"].min() == pytest.approx(-np.sqrt(2), abs=1e-9)
+            assert found.branch_points == ()
+        else:
+            assert found.branch_points == pytest.approx([0], abs=1e-10) and found.folds == ()
+        (critical,) = found.critical
+        assert critical.value == pytest.approx(0, abs=1e-10) and critical.way == "real"
+
+
+def test_pairs_that_meet_on_the_imaginary_axis() -> None:
+    # x'' = -w x + b y', y'' = -w y - b x' with w < 0 is stable for b^2 > -4 w
+    x, y, b = sp.symbols("x y b")
+    vx, vy = vo.velocity(x), vo.velocity(y)
+    system = vo.System(
+        name="gyroscopic", fibration=vo.Fibration(base=(x, y), fibre=()), constraints=(),
+        lagrangian=(vx**2 + vy**2) / 2 + (x**2 + 2 * y**2) / 2,
+        forces={x: b * vy, y: -b * vx}, parameters=(vo.Parameter(b, 1),),
+    )  # fmt: skip
+    (rest,) = vo.steady(system)
+    (critical,) = rest.along("b", ("1/2", 5)).critical
+    # lambda^4 + (b^2 - 3) lambda^2 + 2: b^2 = 3 + 2 sqrt(2)
+    assert critical.way == "meeting"
+    with mp.workdps(30):
+        assert abs(critical.exact - (1 + mp.sqrt(2))) < 1e-20
+
+
+def test_what_drives_a_system_is_found() -> None:
+    # m v' = u - k v: the trim at v = 2
+    x, k = sp.symbols("x k")
+    u = sp.Function("u")(vo.time)
+    system = vo.System(
+        name="cart", fibration=vo.Fibration(base=(x,), fibre=()), constraints=(),
+        lagrangian=vo.velocity(x) ** 2 / 2, forces={x: u - k * vo.velocity(x)},
+        parameters=(vo.Parameter(k, 3),), inputs=(u,),
+    )  # fmt: skip
+    (motion,) = vo.steady(system, at={"xdot": 2}, free="u")
+    assert motion.point["u"] == pytest.approx(6) and motion.spectrum == pytest.approx([-3])
+    with pytest.raises(DefinitionError, match="'u' has no value"):
+        vo.steady(system, at={"xdot": 2})
+
+
+MASS = ((80.81722, 2.31941332208709), (2.31941332208709, 0.29784188199686))
+STILL = ((-80.95, -2.59951685249872), (-2.59951685249872, -0.80329488458618))
+FAST = ((0.0, 76.59734589573222), (0.0, 2.65431523794604))
+DAMPING = ((0.0, 33.86641391492494), (-0.85035641456978, 1.68540397397560))
+"""M, K0, K2, C1 of the benchmark bicycle, as they are printed [Meijaard2007, (A1)]."""
+
+
+@pytest.mark.slow
+def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None:
+    motion = moving("bicycle", {"phi": 0, "delta": 0, "speed": 5}, starts=5)
+    family = motion.along("speed", (0, 10))
+    still, fast, damping = map(np.array, (STILL, FAST, DAMPING))
+    for speed in range(11):
+        inverse = np.linalg.inv(np.array(MASS))
+        below = -inverse @ np.hstack([9.81 * still + speed**2 * fast, speed * damping])
+        printed = np.linalg.eigvals(np.vstack([np.eye(4)[2:], below]))
+        ours = family.at(speed).spectrum
+        gaps = np.abs(ours[:, None] - printed[None, :]).min(axis=1)
+        assert len(ours) == 4 and gaps.max() < 1e-11
+    weave, capsize = family.critical
+    assert (weave.way, capsize.way) == ("pair", "real")
+    assert weave.value == pytest.approx(4.29238253634111, abs=5e-14)
+    assert capsize.value == pytest.approx(6.02426201538837, abs=5e-14)
+    assert family.branch_points == pytest.approx([capsize.value], abs=1e-9)
+
+
+def test_commands_print_and_refuse(call: Call) -> None:
+    answer = call("steady", "suslov", "--json")
+    told = json.loads(answer.out)
+    assert answer.status == 0 and [m["kind"] for m in told["motions"]] == ["rest", "steady motion"]
+    answer = call("stability", "falling-disc", "--over", "s", "--between", "0:3", "--at",
+                     "gamma3=0", "--at", "q=0", "--hold", "q")  # fmt: skip
+    assert "critical: s = 0.577350269189626: a real eigenvalue passes through zero" in answer.out
+    for words in (
+        ("steady", "falling-disc", "--at", "gama=1"),
+        ("steady", "falling-disc", "--at", "s=1", "--at", "p=1"),
+        ("steady", "falling-disc", "--set", "mass=1"),
+        ("steady", "sleigh-in-time"),
+        ("stability", "falling-disc", "--over", "p", "--between", "0:3"),
+        ("stability", "falling-disc", "--over", "s", "--between", "3"),
+    ):
+        refused(call(*words))
+
+
+@pytest.mark.parametrize("option", [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}])
+def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
+    with pytest.raises(DefinitionError):
+        vo.steady(vo.load("falling-disc"), **option)
+
+
+def test_charts_count_unstable_eigenvalues() -> None:
+    motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
+    found = motion.chart(("s", 0.1, 2), ("g", 0.1, 5), count=12, hold="q")
+    for i, j in product(range(12), range(12)):
+        unstable = found.xs[j] ** 2 * 0.75 < found.ys[i] / 4
+        assert found.unstable[i, j] == int(unstable)
+    assert found.plot() is not None
+
+
+DIGITS = 80
+STEP = mp.mpf(10) ** -25
+
+
+def referee_field(system: vo.System) -> Any:
+    """(q, v)' at a point, by multipliers; of the engine nothing but the names is used."""
+    q = [*system.coordinates]
+    dots = [vo.velocity(x) for x in q]
+    frame = system.frame
+    v = [*system.velocities]
+    meaning = dict(zip(v, v, strict=True)) if frame is None else dict(frame.definitions)
+    rows = [*system.constraints, *(meaning[x] - x for x in v)]
+    rows += [sp.Add(*[r.diff(x) * vo.velocity(x) for x in q]) for r in system.fibration.relations]
+    plain = {d: sp.Symbol(f"rate {i}") for i, d in enumerate(dots)}
+    rows = [sp.sympify(r).xreplace(plain) for r in rows]
+    rates = [*plain.values()]
+    values = {p.symbol: p.value for p in system.parameters}
+    matrix = sp.Matrix(rows).jacobian(rates)
+    rest = sp.Matrix([r.xreplace(dict.fromkeys(rates, sp.Integer(0))) for r in rows])
+    quasi = [sp.sympify(meaning[x]).xreplace(plain) for x in v]
+    by_place = sp.Matrix(quasi).jacobian(q)
+    by_rate = sp.Matrix(quasi).jacobian(rates)
+    solve_for = sp.lambdify([q, v], [m.xreplace(values) for m in (matrix, rest)], "mpmath")
+    slopes = sp.lambdify([q, rates], [m.xreplace(values) for m in (by_place, by_rate)], "mpmath")
+
+    def field(x: list[mp.mpf]) -> list[mp.mpf]:
+        place, speeds = x[: len(q)], x[len(q) :]
+        left, right = solve_for(place, speeds)
+        moving = [*mp.lu_solve(left, -right)]
+        point = dict(zip([*q, *v], x, strict=True))
+        found = vo.multiplier_acceleration(system, point, digits=DIGITS)
+        bent = mp.matrix([mp.mpf(sp.N(found[c], DIGITS)) for c in q])
+        here, along = slopes(place, moving)
+        return [*moving, *(here * mp.matrix(moving) + along * bent)]
+
+    return field
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [
+        ("falling-disc", {"gamma3": "1/2", "s": "3/2"}),
+        ("rattleback", {"gamma3": 1, "omega3": "1/2"}),
+        ("chaplygin-ball", {"gamma2": 1, "omega2": 1}),
+        ("veselova", {"gamma2": 1}),
+        ("sleigh-on-turntable", {"v": "1/10"}),
+        ("ball-on-sphere", {"gamma1": 0, "gamma3": 0, "G2": "1/2"}),
+        ("torus-on-ellipsoid", {"s": "1/2"}),
+        ("bicycle", {"delta": "1/2"}),
+    ],
+)
+def test_spectra_agree_with_differences_of_the_multiplier_route(
+    name: str, at: Mapping[str, Any]
+) -> None:
+    motion = moving(name, at)
+    with mp.workdps(DIGITS):
+        theirs = referee_eigenvalues(motion)
+        ours = [e for e in motion.eigenvalues(40) if e != 0]
+        if name == "veselova":  # all its steady motions are rest, and all eigenvalues vanish
+            assert not ours and max(map(abs, theirs)) < 1e-12
+        else:
+            assert ours
+        for value in ours:
+            assert min(abs(value - other) for other in theirs) < mp.mpf(10) ** -30 * abs(value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "at", "over", "between"),
+    [
+        ("rattleback", {"gamma3": 1, "omega3": "1/2"}, "omega3", (1, 2)),
+        ("falling-disc", {"gamma3": 0, "q": 0, "s": 1}, "s", (0, 2)),
+        ("sleigh-on-turntable", {"v": "1/10"}, "v", (-1, 1)),
+        ("bicycle", {"phi": 0, "delta": 0, "speed": 4}, "speed", (4, 5)),
+    ],
+)
+def test_critical_values_agree_with_differences_of_the_multiplier_route(
+    name: str, at: Mapping[str, Any], over: str, between: tuple[float, float]
+) -> None:
+    family = moving(name, at, starts=20).along(over, between, count=10)
+    (critical,) = family.critical
+    with mp.workdps(DIGITS):
+        theirs = referee_eigenvalues(family.at(critical.exact))
+        # a zero of multiplicity two is known to half of the digits
+        assert sorted(abs(e.real) for e in theirs)[0] < 1e-12
+        ends = [referee_eigenvalues(family.at(critical.exact + s * mp.mpf(10) ** -12))
+                for s in (1, -1)]  # fmt: skip
+        counts = [sum(e.real > mp.mpf(10) ** -16 for e in found) for found in ends]
+        assert {*counts} == {critical.below, critical.above}
+
+
+def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
+    """The eigenvalues of the reduced motion by differences of the multiplier route."""
+    system = motion.system
+    names = [str(x) for x in (*system.coordinates, *system.velocities)]
+    point = motion.in_digits(DIGITS)
+    start = {str(x): e for x, e in motion.equations.formulation.start.items()}
+    meaning = {n: sp.sympify(start[n]) for n in point}
+    values = {p.symbol: p.value for p in system.parameters}
+    meaning = {n: sp.sympify(e).xreplace(values) for n, e in meaning.items()}
+    held = sorted({str(s) for e in meaning.values() for s in e.free_symbols})
+    sides = [e - sp.Float(point[n], DIGITS) for n, e in meaning.items()]
+    function = sp.lambdify([sp.Symbol(n) for n in held], sides, "mpmath")
+    near = [mp.mpf("0.4") + mp.mpf(i) / 7 for i in range(len(held))]
+    near = [point.get(n, x) for n, x in zip(held, near, strict=True)]
+    known = dict(zip(held, solution(function, near), strict=True))
+    x = [known.get(n, mp.mpf("0.3") if n != "z" else mp.mpf(0)) for n in names]
+    field, symbols = referee_field(system), [*map(sp.Symbol, names)]
+    inner = sp.Matrix([*meaning.values()]).jacobian(symbols)
+    along = sp.lambdify([symbols], inner, "mpmath")
+    columns = []
+    for i in range(len(x)):
+        pair = [[*x[:i], x[i] + sign * STEP, *x[i + 1 :]] for sign in (1, -1)]
+        up, down = (along(y) * mp.matrix(field(y)) for y in pair)
+        columns.append([(a - b) / (2 * STEP) for a, b in zip(up, down, strict=True)])
+    # with sigma(q, v) the variables of the reduced motion, A D(sigma) = D(sigma')
+    slopes, rates = along(x), mp.matrix(columns).T
+    rank = int(np.linalg.matrix_rank(np.array(slopes.tolist(), dtype=float), tol=1e-9))
+    order = qr(np.array(slopes.tolist(), dtype=float), pivoting=True, mode="r")[1][:rank]
+    base = mp.matrix([[slopes[i, int(j)] for j in order] for i in range(slopes.rows)])
+    ends = mp.matrix([[rates[i, int(j)] for j in order] for i in range(slopes.rows)])
+    return mp.eig(reduced(base, ends), left=False, right=False)
+
+
+def reduced(base: mp.matrix, ends: mp.matrix) -> mp.matrix:
+    """A with base A = ends, whose columns lie in the image."""
+    return mp.inverse(base.T * base) * (base.T * ends)
+
+
+def solution(function: Any, x: list[mp.mpf]) -> list[mp.mpf]:
+    """Of equations that are more than their unknowns, by Newton's method of least squares."""
+    for _ in range(200):
+        values = mp.matrix(function(*x))
+        slopes = mp.zeros(len(values), len(x))
+        for j in range(len(x)):
+            ahead = mp.matrix(function(*x[:j], x[j] + STEP, *x[j + 1 :]))
+            slopes[:, j] = (ahead - values) / STEP
+        damping = mp.norm(values) ** 2 / 1000
+        step = mp.lu_solve(slopes.T * slopes + damping * mp.eye(len(x)), slopes.T * values)
+        x = [a - b for a, b in zip(x, step, strict=True)]
+        if mp.norm(step) < mp.mpf(10) ** -60:
+            return x
+    raise AssertionError("no coordinates were found")

@@ -1,0 +1,73 @@
+"""``voronec stability``: a family of steady motions over a quantity, and its critical values."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.output import answer, progress_line, wrote
+from voronec.cli.steady import options_of
+from voronec.cli.subject import resolve
+from voronec.cli.values import finite, outputs_of
+from voronec.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from voronec.dynamics.families import SteadyFamily
+
+
+def execute(arguments: Namespace) -> int:
+    """Follow the family, and print where its stability changes."""
+    given = options_of(arguments)
+    ends = arguments.between.split(":")
+    if len(ends) != 2:
+        raise DefinitionError(f"--between {arguments.between}: give A:B, such as 0:10")
+    between = tuple(finite(end, "--between") for end in ends)
+    if arguments.count < 2:
+        raise DefinitionError(f"--count {arguments.count}: give a number from 2 on")
+    folder = None if arguments.out is None else wanted_folder(arguments.out)
+    system, _ = resolve(arguments.system)
+    from voronec.dynamics.stability import stability
+
+    with progress_line(f"{system.name}: steady motions over {arguments.over} ..."):
+        hold = tuple(map(str, outputs_of(arguments.hold)))
+        found = stability(
+            system, arguments.over, between, hold=hold, count=arguments.count, **given
+        )
+        data, lines = found.as_dict(), _lines(found)
+        files = [] if folder is None else deliver(folder, lambda to: _write(found, to))
+    answer(arguments.json, lambda: {**data, "files": files}, [*lines, *wrote(files)])
+    return 0
+
+
+def _write(found: SteadyFamily, workshop: Path) -> None:
+    from voronec.motion.pictures.run_pictures import save
+
+    save(found.plot(), workshop / "family.svg")
+    own = [i for i, name in enumerate(found.names) if name != found.over]
+    names = [found.over, *(found.names[i] for i in own), "unstable"]
+    rows = [
+        [*map(repr, map(float, (x, *point[own]))), str(count)]
+        for x, point, count in zip(found.values, found.points, found.unstable, strict=True)
+    ]
+    text = "\n".join(",".join(row) for row in [names, *rows]) + "\n"
+    (workshop / "family.csv").write_text(text, encoding="utf-8")
+
+
+def _lines(found: SteadyFamily) -> list[str]:
+    held = f"; {', '.join(found.held)} held" if found.held else ""
+    lines = [f"{found.system.name}: {len(found)} steady motions over {found.over}{held}"]
+    pairs = zip(found.values.tolist(), found.unstable.tolist(), strict=True)
+    for count, group in groupby(pairs, key=lambda pair: pair[1]):
+        span = [value for value, _ in group]
+        words = f"{count} eigenvalues on the right" if count else "no eigenvalue on the right"
+        lines.append(f"  {span[0]:.6g} to {span[-1]:.6g}: {words}")
+    lines += [f"critical: {found.over} = {critical}" for critical in found.critical]
+    lines += [f"fold: {found.over} = {value:.13g}" for value in found.folds]
+    lines += [f"branch point: {found.over} = {value:.13g}" for value in found.branch_points]
+    for end, why in zip((found.values[0], found.values[-1]), found.ends, strict=True):
+        if why != "the span ends":
+            lines.append(f"  ends at {end:.6g}: {why}")
+    return lines

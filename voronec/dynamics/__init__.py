@@ -1,0 +1,18 @@
+"""What motions do in the long run: steady motions, their stability, periodic orbits, exponents."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from voronec.dynamics.phase_space import PhaseSpace
+    from voronec.dynamics.variational import variational_flow
+
+__all__ = ["PhaseSpace", "variational_flow"]
+
+_HOME = {"PhaseSpace": "phase_space", "variational_flow": "variational"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(f"voronec.dynamics.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'voronec.dynamics' has no attribute '{name}'")

@@ -1,0 +1,88 @@
+"""Charts of stability over two quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voronec.algebra.symbols import plain_name
+from voronec.declaration.reading import several
+from voronec.declaration.system import System
+from voronec.dynamics.families import curve_of
+from voronec.dynamics.newton import solve
+from voronec.dynamics.spectrum import Deflation, balance
+from voronec.dynamics.steady import SteadyMotion, unstable_count
+from voronec.errors import DefinitionError
+from voronec.motion.request import number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StabilityChart:
+    """How many eigenvalues lie right of the imaginary axis, ``unstable`` (rows of y, columns of x),
+    at ``xs`` and ``ys``; -1 where there is no motion of the family."""
+
+    system: System
+    x: str
+    y: str
+    xs: np.ndarray
+    ys: np.ndarray
+    unstable: np.ndarray
+    held: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        rows, columns = self.unstable.shape
+        return f"StabilityChart({self.system.name!r}, {columns} of {self.x} by {rows} of {self.y})"
+
+    def plot(self) -> Figure:
+        """The chart, a colour for each number."""
+        from voronec.dynamics.pictures import chart_figure
+
+        return chart_figure(self)
+
+
+def chart(motion: SteadyMotion, x: Any, y: Any, count: int, hold: Any) -> StabilityChart:
+    """The chart about one motion, as ``SteadyMotion.chart`` has it: from the node that is nearest
+    to it each node is reached from a neighbour."""
+    (x_name, xs), (y_name, ys) = _axis(x, "x", count), _axis(y, "y", count)
+    given = curve_of(motion, x_name, several(hold, "hold", "name"), (y_name,))
+    curve, begin = given.curve, given.begin
+    equations, exprs = curve.equations, dict(curve.equations.held)
+    found = np.full((len(ys), len(xs)), -1)
+    here = curve.value(begin), float(equations.targets[y_name])
+    order = sorted(
+        np.ndindex(len(ys), len(xs)),
+        key=lambda node: (
+            abs(ys[node[0]] - here[1]) / np.ptp(ys) + abs(xs[node[1]] - here[0]) / np.ptp(xs)
+        ),
+    )
+    points: dict[tuple[int, ...], np.ndarray] = {}
+    shape: Deflation | None = None
+    for i, j in order:
+        near = [points[n] for n in ((i, j - 1), (i, j + 1), (i - 1, j), (i + 1, j)) if n in points]
+        at = {x_name: float(xs[j]), y_name: float(ys[i])}
+        node = equations.holding({name: (exprs[name], value) for name, value in at.items()})
+        solution = solve(node.at, near[0] if near else begin, curve.units)
+        if solution is None:
+            continue
+        points[i, j] = solution
+        matrix = node.at(solution)[1][: node.size, : node.size]
+        own = Deflation.of(matrix)
+        shape = own if shape is None or own.zeros < shape.zeros else shape
+        values = np.linalg.eigvals(balance(shape.rest(matrix)))
+        found[i, j] = unstable_count(values)
+    return StabilityChart(motion.system, x_name, y_name, xs, ys, found, given.held)
+
+
+def _axis(given: Any, which: str, count: int) -> tuple[str, np.ndarray]:
+    if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 3:
+        raise DefinitionError(f"{which}: give (name, low, high), such as ('speed', 0, 10)")
+    low, high = (number(v, which) for v in given[1:])
+    if not low < high or count < 2:
+        raise DefinitionError(f"{which}: give low below high, and a count of two or more")
+    return plain_name(given[0]), np.linspace(low, high, count)

@@ -1,0 +1,467 @@
+"""Families of steady motions over a quantity: pseudo-arclength, folds, branch points, critical
+values.
+
+    F(y) = 0,   t . (y - y0) = ds
+
+with the tangent t of the curve [Keller1977].  Where a motion belongs to a family of d dimensions,
+d - 1 variables are held.  At a fold the quantity turns back; at a branch point the Jacobian loses
+one more rank, where the determinant of its regular rows and t changes its sign.  A critical value
+is where the number of eigenvalues right of the imaginary axis changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import flint
+import mpmath as mp
+import numpy as np
+
+from voronec.algebra.memo import Memo
+from voronec.algebra.symbols import plain_name
+from voronec.declaration.reading import several
+from voronec.declaration.system import System
+from voronec.dynamics.newton import null_space, polish, solve
+from voronec.dynamics.spectrum import (
+    Deflation,
+    balance,
+    characteristic,
+    conditions_in_doubles,
+    discriminant,
+    hurwitz,
+    in_order,
+)
+from voronec.dynamics.steady import SteadyMotion, pivots, to_mpf, unstable_count
+from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
+from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.request import number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LONGEST = 0.25
+"""A step goes no further than this, in the units of the variables."""
+SHORTEST = 1e-6
+"""A share of the usual step, below which a family is not followed any further."""
+TIMES = 20
+"""A family has at most so many times the points that were asked for."""
+CRITICAL_BITS = 200
+"""At work on critical values: 60 digits, of which a determinant leaves 30."""
+FLAT = 1e-4
+"""Where the quantity changes by less than this along the curve, in the units, there is a fold."""
+MOST_SECANTS = 8
+"""Secants from eight digits on reach thirty in three steps."""
+WAYS = {
+    "real": "a real eigenvalue passes through zero",
+    "pair": "a pair crosses the imaginary axis",
+    "meeting": "two pairs meet on the imaginary axis",
+}
+
+
+@dataclass(frozen=True)
+class Critical:
+    """Where the number of eigenvalues on the right changes: the ``value`` of the quantity, to the
+    digits of ``exact``, in which way, a word of ``WAYS``, and the numbers ``below`` and ``above``
+    it, along the family."""
+
+    value: float
+    exact: mp.mpf
+    way: str
+    below: int
+    above: int
+
+    def __str__(self) -> str:
+        return f"{mp.nstr(self.exact, 15)}: {WAYS[self.way]}, {self.below} -> {self.above} unstable"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SteadyFamily:
+    """Steady motions in which a quantity ``over`` changes, ``held`` ones do not.
+
+    ``values`` (k,) are those of the quantity, ``points`` (k, n) those of ``names``, in the order of
+    the curve; ``folds`` and ``branch_points`` those of the quantity there.  ``ends`` tells why the
+    curve ends where it does.
+    """
+
+    motion: SteadyMotion
+    over: str
+    held: tuple[str, ...]
+    curve: Curve = field(repr=False)
+    points: np.ndarray
+    values: np.ndarray
+    ends: tuple[str, str]
+    memo: Memo = field(default_factory=Memo, init=False, repr=False)
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.motion.system
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the columns of the points are."""
+        return self.curve.equations.names
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, name: Any) -> np.ndarray:
+        name = plain_name(name)
+        if name == self.over:
+            return self.values
+        if name not in self.names:
+            raise DefinitionError(
+                f"the family holds no '{name}'; name one of {', '.join(self.names)}"
+            )
+        column: np.ndarray = self.points[:, self.names.index(name)]
+        return column
+
+    def __repr__(self) -> str:
+        span = f"{self.values.min():.6g} to {self.values.max():.6g}"
+        return f"SteadyFamily({self.system.name!r}, {self.over} from {span}, {len(self)} motions)"
+
+    @cached_property
+    def matrices(self) -> np.ndarray:
+        """The matrices A (k, n, n) of dx' = A dx."""
+        n = self.curve.equations.size
+        return np.array([self.curve.function(y)[1][:n, :n] for y in self.points])
+
+    @cached_property
+    def deflation(self) -> Deflation:
+        """How many eigenvalues vanish all along: the fewest of all points."""
+        found = [Deflation.of(matrix) for matrix in self.matrices]
+        return min(found, key=lambda d: d.zeros)
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Those (k, m) that do not vanish all along, by real part, then imaginary part."""
+        return np.array([in_order(self._spectrum(matrix)) for matrix in self.matrices])
+
+    def _spectrum(self, matrix: np.ndarray) -> np.ndarray:
+        found: np.ndarray = np.linalg.eigvals(balance(self.deflation.rest(matrix)))
+        return found
+
+    @cached_property
+    def unstable(self) -> np.ndarray:
+        """How many (k,) of them lie right of the imaginary axis."""
+        return np.array([unstable_count(row) for row in self.eigenvalues])
+
+    @cached_property
+    def folds(self) -> tuple[float, ...]:
+        """The values at which the quantity turns back."""
+        return tuple(self._located(lambda y, _: float(self.curve.slope(y) @ self.curve.tangent(y))))
+
+    @cached_property
+    def branch_points(self) -> tuple[float, ...]:
+        """The values at which other families branch off."""
+        return tuple(self._located(self.curve.regularity))
+
+    def _located(self, measure: Callable[[np.ndarray, np.ndarray], float]) -> Iterator[float]:
+        """Where a function of a point, seen from the one before, changes its sign."""
+        from scipy.optimize import brentq
+
+        curve = self.curve
+        for a, b in zip(self.points[:-1], self.points[1:], strict=True):
+            ahead = curve.oriented(a, b - a)
+
+            def at(share: float, a: np.ndarray = a, b: np.ndarray = b,
+                   ahead: np.ndarray = ahead) -> float:  # fmt: skip
+                y = curve.between(a, b, share)
+                return measure(y, a) * float(np.sign(curve.tangent(y) @ ahead) or 1.0)
+
+            begin, end = at(0.0), at(1.0)
+            if begin * end < 0:
+                share = brentq(at, 0.0, 1.0, xtol=1e-13, rtol=1e-13)
+                yield float(curve.value(curve.between(a, b, float(share))))
+
+    @cached_property
+    def critical(self) -> tuple[Critical, ...]:
+        """The critical values of the quantity, in the order of the curve, to 30 digits."""
+        found = []
+        for k in np.flatnonzero(np.diff(self.unstable)):
+            found.append(self._critical(int(k)))
+        return tuple(c for c in found if c is not None)
+
+    def _critical(self, k: int) -> Critical | None:
+        """That between the points k and k + 1; None where no condition changes its sign."""
+        from scipy.optimize import brentq
+
+        a, b = self.points[k : k + 2]
+        below, above = int(self.unstable[k]), int(self.unstable[k + 1])
+        ends = [self._in_doubles(y) for y in (a, b)]
+        for way in ends[0].keys() & ends[1].keys():
+            if ends[0][way] * ends[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
+
+                def at(share: float, way: str = way) -> float:
+                    return self._in_doubles(self.curve.between(a, b, share))[way]
+
+                y = self.curve.between(a, b, brentq(at, 0.0, 1.0, xtol=1e-13))
+                exact, size = self._in_digits(way, y, a, b), float(np.ptp(self.values))
+                exact = exact if abs(exact) > 1e-14 * size else mp.mpf(0)
+                return Critical(float(exact), exact, way, below, above)
+        return None
+
+    def _solved(self, value: Any, near: np.ndarray) -> tuple[Curve, np.ndarray]:
+        curve = self.curve.at_value(value)
+        y = solve(curve.function, near, curve.units)
+        if y is None:
+            raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
+        return curve, y
+
+    def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
+        """What changes its sign at critical values, at a point of the curve."""
+        n = self.curve.equations.size
+        return conditions_in_doubles(self.deflation.rest(self.curve.function(y)[1][:n, :n]))
+
+    def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
+        """Where a condition vanishes, by secants from what doubles tell; at a fold, where the
+        quantity is no coordinate of the curve, it is as exact as doubles are."""
+        rough, along = self.curve.value(near), self.curve.oriented(near, b - a)
+        rate = abs(float(self.curve.slope(near) @ along))
+        if rate < FLAT * float(np.abs(self.curve.slope(near) * self.curve.units).max()):
+            return mp.mpf(rough)
+        width = 1e-7 * abs(self.curve.value(b) - self.curve.value(a))
+        with mp.workprec(CRITICAL_BITS), flint.ctx.workprec(CRITICAL_BITS):
+            x = [mp.mpf(rough) - width, mp.mpf(rough)]
+            values = [self._exact_condition(way, value, near) for value in x]
+            for _ in range(MOST_SECANTS):
+                if values[-1] in (0, values[-2]):
+                    break
+                step = values[-1] * (x[-1] - x[-2]) / (values[-1] - values[-2])
+                x.append(x[-1] - step)
+                if abs(step) < mp.mpf(10) ** -28 * max(abs(x[-1]), 1):
+                    break
+                values.append(self._exact_condition(way, x[-1], near))
+            return x[-1]
+
+    def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
+        curve, y = self._solved(value, near)
+        exact = polish(curve.equations, y, CRITICAL_BITS)
+        slopes = curve.equations.slopes_in_balls(exact, CRITICAL_BITS)
+        found = characteristic(slopes, curve.equations.size, self.deflation.zeros)
+        found = [c.mid() for c in found]
+        if way == "real":
+            return to_mpf(found[0])
+        return to_mpf(hurwitz(found) if way == "pair" else discriminant(found[::2]))
+
+    def at(self, value: Any) -> SteadyMotion:
+        """The motion with a value of the quantity, on the curve nearest to its beginning."""
+        x = number(value, f"the value of '{self.over}'")
+        inside = (self.values[:-1] - x) * (self.values[1:] - x) <= 0
+        if not inside.any():
+            raise DefinitionError(
+                f"the family has no motion with {self.over} = {x:g}; give a value between "
+                f"{self.values.min():g} and {self.values.max():g}"
+            )
+        curve, near = self.curve.at_value(value), self.points[int(np.flatnonzero(inside)[0])]
+        y = solve(curve.function, near, curve.units)
+        if y is None:
+            raise IntegrationError(f"the family is lost at {self.over} = {x:g}", x, near)
+        return SteadyMotion(self.motion.motions, curve.equations, y, curve.units)
+
+    def plot(self) -> Figure:
+        """The family over its quantity, with stability in colours, and its eigenvalues."""
+        from voronec.dynamics.pictures import family_figure
+
+        return family_figure(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it."""
+        return {
+            "system": self.system.name, "over": self.over, "held": list(self.held),
+            "names": list(self.names), "values": self.values.tolist(),
+            "points": self.points.tolist(), "unstable": self.unstable.tolist(),
+            "eigenvalues": [[[e.real, e.imag] for e in row] for row in self.eigenvalues],
+            "folds": list(self.folds), "branch_points": list(self.branch_points),
+            "critical": [
+                {"value": c.value, "digits": mp.nstr(c.exact, 30), "way": WAYS[c.way],
+                 "below": c.below, "above": c.above}
+                for c in self.critical
+            ],
+            "ends": list(self.ends),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve of solutions: ``equations``, the last of whose held expressions is the quantity over
+    which it goes, which is not held on it."""
+
+    equations: SteadyEquations
+    units: np.ndarray
+
+    def function(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F and its Jacobian, without the quantity."""
+        value, slopes = self.equations.at(y)
+        return value[:-1], slopes[:-1]
+
+    def value(self, y: np.ndarray) -> float:
+        """The quantity."""
+        return float(self.equations.at(y)[0][-1])
+
+    def slope(self, y: np.ndarray) -> np.ndarray:
+        """Its gradient (n,)."""
+        found: np.ndarray = self.equations.at(y)[1][-1]
+        return found
+
+    def tangent(self, y: np.ndarray) -> np.ndarray:
+        """The tangent (n,), of length one in the units, in either direction."""
+        found: np.ndarray = null_space(self.function(y)[1], self.units, 1)[:, 0]
+        return found
+
+    def oriented(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
+        """The tangent that goes ahead."""
+        t = self.tangent(y)
+        return t if (t / self.units) @ (ahead / self.units) >= 0 else -t
+
+    def regularity(self, y: np.ndarray, before: np.ndarray) -> float:
+        """The determinant of the rows that are regular at the point before, and the tangent."""
+        left, sizes, _ = np.linalg.svd(self.function(before)[1] * self.units)
+        rows = left[:, : len(y) - 1].T @ (self.function(y)[1] * self.units)
+        matrix = np.vstack([rows / sizes[: len(rows), None], self.tangent(y) / self.units])
+        return float(np.linalg.det(matrix))
+
+    def onto(self, y: np.ndarray, along: np.ndarray) -> np.ndarray | None:
+        """The point of the curve in the plane through y across a direction."""
+        row = along / self.units**2
+
+        def function(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, slopes = self.function(z)
+            return np.append(value, row @ (z - y)), np.vstack([slopes, row])
+
+        return solve(function, y, self.units)
+
+    def between(self, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
+        """The point of the curve at a share of the chord between two of its points."""
+        found = self.onto(a + share * (b - a), b - a)
+        if found is None:
+            raise EngineLimit("a family cannot be followed between two of its points")
+        return found
+
+    def at_value(self, value: Any) -> Curve:
+        """The equations with the quantity held at a value, as ``equations.at`` has them."""
+        name, expr = self.equations.held[-1]
+        return _HeldCurve(self.equations.holding({name: (expr, value)}), self.units)
+
+
+class _HeldCurve(Curve):
+    """A point of a curve: the quantity is held."""
+
+    def function(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F and its Jacobian."""
+        return self.equations.at(y)
+
+
+def follow(
+    motion: SteadyMotion, over: Any, between: Sequence[Any], hold: Any, count: int
+) -> SteadyFamily:
+    """The family of a motion over a quantity, as ``SteadyMotion.along`` has it."""
+    if not isinstance(between, Sequence) or isinstance(between, str) or len(between) != 2:
+        raise DefinitionError("between: give the two ends of the span, such as between=(0, 10)")
+    low, high = sorted(number(x, "between") for x in between)
+    if not low < high or count < 2:
+        raise DefinitionError("between: give two different values, and a count of two or more")
+    given = curve_of(motion, over, several(hold, "hold", "name"))
+    curve, start, held = given.curve, given.begin, given.held
+    name = curve.equations.held[-1][0]
+    begin = curve.value(start)
+    if not low <= begin <= high:
+        start = _towards(curve, start, begin, low if begin < low else high, name)
+    step = (high - low) / count
+    halves = [_half(curve, start, sign, (low, high), step, TIMES * count) for sign in (-1.0, 1.0)]
+    (back, first), (on, last) = halves
+    points = np.array([*reversed(back), start, *on])
+    values = np.array([curve.value(y) for y in points])
+    return SteadyFamily(motion, name, held, curve, points, values, (first, last))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveStart:
+    """A curve, its first point, and what is held on it."""
+
+    curve: Curve
+    begin: np.ndarray
+    held: tuple[str, ...]
+
+
+def curve_of(
+    motion: SteadyMotion, over: Any, hold: Sequence[Any], besides: Sequence[Any] = ()
+) -> CurveStart:
+    """The curve of a motion over a quantity; ``besides`` are held at its values, as those of
+    ``hold``, constants too."""
+    equations, y, units = motion.equations, motion.y, motion.units
+    for key in (over, *besides):
+        name = plain_name(key)
+        if name in equations.constants and name not in equations.names:
+            value = number(equations.values[name], f"parameter '{name}'")
+            equations = equations.with_unknowns([name])
+            y, units = np.append(y, value), np.append(units, abs(value) or 1.0)
+    name, expr = read_quantity(equations, motion.motions, over)
+    equations = equations.only_leaves(but=(name,))
+    held = dict[str, tuple[Any, Any]]()
+    for key in (*hold, *besides):
+        label, e = read_quantity(equations, motion.motions, key)
+        held[label] = (e, float(equations.holding({label: (e, 0)}).at(y)[0][-1]))
+    equations = equations.holding(held)
+    curve = Curve(equations.holding({name: (expr, 0)}), units)
+    space = null_space(curve.function(y)[1], units)
+    slope = curve.slope(y)
+    if np.abs(slope @ space).max(initial=0.0) < 1e-9 * np.abs(slope * units).max(initial=1e-300):
+        raise DefinitionError(
+            f"system '{motion.system.name}': '{name}' does not change along the family of this "
+            f"motion; follow it over one of {', '.join(motion.free) or 'the parameters'}"
+        )
+    if space.shape[1] > 1:
+        main = space.T @ slope
+        rest = space @ np.linalg.svd(main[None, :])[2][1:].T
+        weights = np.where(y == 0, 4.0, 1.0) / units  # what is zero is held at zero rather
+        more = {
+            equations.names[i]: (equations.unknowns[i], float(y[i]))
+            for i in pivots(rest * weights[:, None])
+        }
+        held |= more
+        curve = Curve(equations.holding(more).holding({name: (expr, 0)}), units)
+    return CurveStart(curve, y, tuple(held))
+
+
+def _towards(curve: Curve, start: np.ndarray, begin: float, target: float, name: str) -> np.ndarray:
+    """The first point of the curve in the span."""
+    sign = 1.0 if target > begin else -1.0
+    span = (min(begin, target), max(begin, target))
+    found, why = _half(curve, start, sign, span, abs(target - begin) / 20, 400)
+    if why != "the span ends":
+        raise DefinitionError(
+            f"the family does not reach {name} = {target:g}: from {begin:g} on, {why}; give "
+            "another span"
+        )
+    return found[-1]
+
+
+def _half(
+    curve: Curve, start: np.ndarray, sign: float, span: tuple[float, float], step: float, most: int
+) -> tuple[list[np.ndarray], str]:
+    """Points from the start on, as long as the quantity is in the span, and why they end."""
+    slope, t = curve.slope(start), curve.tangent(start)
+    t = t * (np.sign(slope @ t) or 1.0) * sign
+    y, found, share = start, list[np.ndarray](), 1.0
+    while len(found) < most:
+        rate = abs(float(curve.slope(y) @ t))
+        length = share * min(LONGEST, step / rate if rate > 0 else LONGEST)
+        ahead = curve.onto(y + length * t, t)
+        new = None if ahead is None else curve.oriented(ahead, t)
+        if ahead is None or new is None or (new / curve.units) @ (t / curve.units) < 0.9:
+            share /= 2
+            if share < SHORTEST:
+                return found, "it cannot be followed"
+            continue
+        value = curve.value(ahead)
+        if not span[0] <= value <= span[1]:
+            edge = curve.at_value(span[0] if value < span[0] else span[1])
+            last = solve(edge.function, y, curve.units)
+            return [*found, *([] if last is None else [last])], "the span ends"
+        y, t, share = ahead, new, min(1.0, 2 * share)
+        found.append(y)
+    return found, f"{most} points were made"

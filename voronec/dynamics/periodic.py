@@ -1,0 +1,645 @@
+"""Periodic orbits, alone and in families, with their Floquet multipliers.
+
+    phi_T(x) = x + w,     M = D phi_T(x)
+
+w are whole turns of angles.  Newton's method on the states at the ends of m parts of the period, by
+the variational equations (multiple shooting [StoerBulirsch2002, sec. 7.3.5]): closure, a condition
+that keeps the phase, and the constants of the motion that are held; these are more equations than
+unknowns, but consistent, and where they leave a choice the nearest orbit is taken.  Families are
+followed by their arclength [AllgowerGeorg1990].
+
+A constant of the motion c has dc M = dc, the rates f have M f = f.  In an orthonormal basis of f,
+the rest of the kernel of all dc, and what is left, M is block triangular:
+
+        | 1  *  * |
+    M = | 0  B  * |
+        | 0  0  I |
+
+So the trivial multipliers are those of the outer blocks, the others those of B: they are never told
+apart by their size, and those at 1 keep their digits, which the Jordan blocks of M would halve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from voronec.algebra.arguments import (
+    CALLABLE,
+    COUNT,
+    REAL,
+    SEVERAL,
+    TEXT,
+    TOLERANCE,
+    VALUES,
+    Kind,
+    accepts,
+)
+from voronec.algebra.typeset import html_table
+from voronec.declaration.reading import several
+from voronec.declaration.system import System
+from voronec.dynamics.phase_space import PhaseSpace
+from voronec.dynamics.variational import VariationalFlow
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
+
+CLOSURE = 1e-10
+"""An orbit closes to this part of the sizes of its variables."""
+ITERATIONS = 40
+DAMPINGS = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
+"""Where a step of Newton's method leads farther away, damped ones of Levenberg and Marquardt are
+tried."""
+SINGULAR = 1e-7
+"""Directions that the equations tell apart by less than this part are free."""
+WIDE = 1e4
+"""Parts of the period in which variations grow more are halved."""
+MOST_SEGMENTS = 64
+MARGIN = 1e-6
+"""A multiplier is off the unit circle where it is so by more than this."""
+STILL = 1e-6
+"""A state whose rates are no more than this part of the norm of the Jacobian is an equilibrium."""
+SEARCH = 20_000
+"""Steps within which a motion is to come back near its start, where no period is given."""
+NEAR = 0.3
+"""It has come back where it is nearer than this part of the farthest it went."""
+COARSE = 1e-9
+"""The tolerance with which guesses and pictures are computed."""
+_OPTIONAL_REAL = Kind(REAL.words, REAL.fits, optional=True)
+_OPTIONAL_COUNT = Kind(COUNT.words, COUNT.fits, optional=True)
+_OPTIONAL_TEXT = Kind(TEXT.words, TEXT.fits, optional=True)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicOrbit:
+    """A periodic orbit.
+
+    ``state`` (n,) is a point of it in the ``variables``; ``turns`` (n,) says by how many whole
+    turns an angle has grown after the ``period``.  ``monodromy`` (n, n) is the slope of the state
+    after a period by that before; ``trivial`` are the multipliers that the flow and the constants
+    of the motion make 1, ``multipliers`` all others, the largest first.  ``constants`` are the
+    values of the constants of the motion by name, ``closure`` what the orbit fails to close by, in
+    units of the sizes of the variables; ``path`` (m, n) holds points along it, from ``state`` on.
+    """
+
+    system: System
+    variables: tuple[str, ...]
+    state: np.ndarray
+    period: float
+    turns: np.ndarray
+    monodromy: np.ndarray
+    trivial: np.ndarray
+    multipliers: np.ndarray
+    constants: Mapping[str, float]
+    parameters: Mapping[str, float]
+    closure: float
+    path: np.ndarray
+
+    def __getitem__(self, name: str) -> float:
+        known = {"period": self.period, **self.constants,
+                 **dict(zip(self.variables, self.state.tolist(), strict=True))}  # fmt: skip
+        if name not in known:
+            raise DefinitionError(f"the orbit has no '{name}'{did_you_mean(name, known)}")
+        return known[name]
+
+    @property
+    def stability(self) -> str:
+        """``unstable`` where a multiplier lies outside of the unit circle; ``asymptotically
+        stable``, as an orbit on the level of the constants, where all but the trivial ones lie
+        inside; ``spectrally stable`` else, which is no stability."""
+        sizes = np.abs(self.multipliers)
+        if (sizes > 1 + MARGIN).any():
+            return "unstable"
+        inside = len(sizes) and (sizes < 1 - MARGIN).all()
+        return "asymptotically stable" if inside else "spectrally stable"
+
+    @property
+    def trivial_defect(self) -> float:
+        """By how much the trivial multipliers are off 1."""
+        return float(np.abs(self.trivial - 1).max(initial=0.0))
+
+    def lines(self) -> list[str]:
+        """What there is to say of the orbit, in words."""
+        point = ", ".join(
+            f"{n} = {x:.10g}" for n, x in zip(self.variables, self.state, strict=True)
+        )
+        kept = ", ".join(f"{n} = {x:.10g}" for n, x in self.constants.items())
+        others = ", ".join(_number(z) for z in self.multipliers) or "none"
+        return [
+            f"period {self.period:.12g}, closed to {self.closure:.1e}; {self.stability}",
+            f"through {point}",
+            *([f"with {kept}"] if kept else []),
+            f"multipliers {others}",
+            f"and {len(self.trivial)} trivial ones, 1 to {self.trivial_defect:.1e}",
+        ]
+
+    def __repr__(self) -> str:
+        words = f"period {self.period:.8g}, {self.stability}"
+        return f"PeriodicOrbit({self.system.name!r}, {words})"
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self), [(str(i), line) for i, line in enumerate(self.lines())])
+
+
+def _number(z: complex) -> str:
+    if abs(z.imag) < 1e-14 * abs(z):
+        return f"{z.real:.9g}"
+    return f"{z.real:.9g}{z.imag:+.9g}i"
+
+
+class Bifurcation(NamedTuple):
+    """Where a multiplier of a family passes ``at`` 1 or -1 (then the period doubles): the orbit
+    there, and the value of what the family is followed along."""
+
+    at: int
+    value: float
+    orbit: PeriodicOrbit
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrbitFamily:
+    """A family of periodic orbits ``along`` a constant of the motion or a parameter, with what was
+    found of it: ``bifurcations`` of multipliers through 1 and -1; ``ended`` says why it ends."""
+
+    along: str
+    orbits: tuple[PeriodicOrbit, ...]
+    bifurcations: tuple[Bifurcation, ...]
+    ended: str
+    seconds: float
+
+    def __len__(self) -> int:
+        return len(self.orbits)
+
+    def __iter__(self) -> Iterator[PeriodicOrbit]:
+        return iter(self.orbits)
+
+    @property
+    def doublings(self) -> tuple[Bifurcation, ...]:
+        """Where the period doubles."""
+        return tuple(c for c in self.bifurcations if c.at == -1)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A variable, a constant or ``period`` along the family."""
+        return np.array([orbit[name] for orbit in self.orbits])
+
+    def __repr__(self) -> str:
+        first, last = self[self.along][[0, -1]]
+        span = f"{len(self)} orbits along {self.along} = {first:.6g} .. {last:.6g}"
+        return f"OrbitFamily({self.orbits[0].system.name!r}, {span}, {self.ended})"
+
+
+@accepts(
+    initial=VALUES, period=_OPTIONAL_REAL, parameters=VALUES, inputs=VALUES, variables=SEVERAL,
+    hold=SEVERAL, along=_OPTIONAL_TEXT, to=_OPTIONAL_REAL, points=COUNT, segments=_OPTIONAL_COUNT,
+    tol=TOLERANCE, progress=CALLABLE,
+)  # fmt: skip
+def periodic(
+    system: System | VoronecEquations,
+    scene: Any = None,
+    initial: Mapping[Any, Any] | None = None,
+    period: float | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    variables: Sequence[Any] = (),
+    hold: Sequence[str] = (),
+    along: str | None = None,
+    to: float | None = None,
+    points: int = 21,
+    segments: int | None = None,
+    tol: float = 1e-13,
+    inputs: Mapping[Any, Any] | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> OrbitFamily:
+    """The periodic orbit near a start, or the family to which it belongs.
+
+    scene, initial, parameters, inputs
+        a guess, as for ``integrate``.
+    period
+        a guess of the period; by default when the motion comes back next to its start.  Where the
+        time stands in the equations it is the period itself, and must be given.
+    variables
+        the quantities that come back; what they depend on does too.  By default the velocities of
+        the equations.
+    hold
+        names of integrals whose values the orbit must have from the start.  By default none: of all
+        orbits the nearest is taken, and families go where what they are followed along grows most.
+    along, to
+        an integral or a parameter, and the value up to which the family is followed; then the
+        family has ``points`` orbits at most, about evenly spaced in it.
+    segments
+        parts of the period in multiple shooting; by default as many as the growth of variations
+        asks for.
+    tol
+        the tolerance of a step.
+
+    Returns an ``OrbitFamily``; without ``along`` it has a single orbit.  Raises ``DefinitionError``
+    where the guess leads to no periodic orbit, and for input that makes no sense.
+    """
+    began = perf_counter()
+    space = PhaseSpace.of(system, scene, initial or None, parameters, inputs, variables)
+    if len(space.motions) > 1:
+        raise DefinitionError("periodic: give one start; families are followed by along=, to=")
+    if (along is None) != (to is None):
+        raise DefinitionError("periodic: give along and to, both or none")
+    known = [n for n in space.constants if not n.startswith("relation ")]
+    if along is not None and along not in known:
+        space, known = space.with_variable(along), [*known, along]
+    names = several(hold, "hold", "'energy'")
+    for name in names:
+        if name not in known:
+            raise DefinitionError(f"hold: there is no proved integral '{name}' here"
+                                  + did_you_mean(name, known))  # fmt: skip
+    shooting = _OrbitEquations.of(space, tuple(names), along, period, segments, tol)
+    unknowns = shooting.solve(shooting.guess, None)
+    first = shooting.orbit(unknowns)
+    if along is None or to is None:
+        return OrbitFamily("period", (first,), (), "alone", perf_counter() - began)
+    orbits, bifurcations, ended = shooting.follow(unknowns, first, to, points, progress)
+    return OrbitFamily(along, orbits, bifurcations, ended, perf_counter() - began)
+
+
+class _Linear(NamedTuple):
+    """The equations at unknowns: what they are off (e,), their slopes (e, u), and the slopes of the
+    flow over the parts of the period."""
+
+    off: np.ndarray
+    slopes: np.ndarray
+    steps: list[np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class _OrbitEquations:
+    """The equations of a periodic orbit; unknowns are the states at the beginnings of the parts of
+    the period, in ``units``, and the period in units of its guess."""
+
+    space: PhaseSpace
+    flow: VariationalFlow
+    values: np.ndarray
+    units: np.ndarray
+    held: np.ndarray
+    targets: np.ndarray
+    along: int | None
+    segments: int
+    span: float
+    turning: np.ndarray
+    guess: np.ndarray
+    anchor: tuple[np.ndarray, np.ndarray]
+    tol: float
+
+    @classmethod
+    def of(
+        cls, space: PhaseSpace, hold: tuple[str, ...], along: str | None, period: float | None,
+        segments: int | None, tol: float,
+    ) -> _OrbitEquations:  # fmt: skip
+        x, values, units = space.motions.states[0], space.motions.values[0], space.units(0)
+        flow, names = space.flow(), [*space.constants]
+        rates, matrix = flow.rates(x, values)
+        if not (np.abs(rates) > 1e-12 * np.linalg.norm(matrix, 2) * units).any():
+            raise DefinitionError("periodic: the start is an equilibrium; start beside it")
+        if period is None and space.is_driven:
+            raise DefinitionError("periodic: the time stands in the equations: give the period")
+        if period is not None and not period > 0:
+            raise DefinitionError(f"periodic: period={period}: give a time above 0")
+        held = [i for i, n in enumerate(names)
+                if n in hold or n in space.moving or n.startswith("relation ")]  # fmt: skip
+        turning = space.angles()
+        span = period or _return_time(flow, x, values, units, turning)
+        if not space.is_driven:
+            span = _nearest_time(flow, x, values, units, turning, span)
+        constants, _ = space.constants_at(x, values)
+        place = None if along is None else names.index(along)
+        made = cls(
+            space, flow, values, units, np.array(held, dtype=int), constants[held], place, 1, span,
+            turning, np.array([]), (x, rates), tol,
+        )  # fmt: skip
+        if segments is not None:
+            if not 1 <= segments <= MOST_SEGMENTS:
+                raise DefinitionError(f"periodic: segments={segments}: give 1 to {MOST_SEGMENTS}")
+            return made.in_parts(segments)
+        count = 1
+        while count < MOST_SEGMENTS:
+            trial = made.in_parts(count)
+            steps = trial.linear(trial.guess, None).steps
+            if max(np.linalg.norm(s / units[:, None] * units, 2) for s in steps) < WIDE:
+                break
+            count *= 2
+        return made.in_parts(count)
+
+    def in_parts(self, count: int) -> _OrbitEquations:
+        """With so many parts, the guess along the motion from the start."""
+        rows, state = [self.anchor[0]], self.flow.start(self.anchor[0], units=self.units)
+        for i in range(1, count):
+            self.flow.go(state, self.span * i / count, self.values, self.tol, 1)
+            rows.append(state.x.copy())
+        guess = np.append((np.array(rows) / self.units).ravel(), 1.0)
+        return replace(self, segments=count, guess=guess)
+
+    def states(self, unknowns: np.ndarray) -> np.ndarray:
+        """The states (m, n) of unknowns."""
+        return unknowns[:-1].reshape(self.segments, -1) * self.units
+
+    def period(self, unknowns: np.ndarray) -> float:
+        """The period of unknowns."""
+        return float(unknowns[-1] * self.span)
+
+    def linear(
+        self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None
+    ) -> _Linear:  # fmt: skip
+        """The equations, and behind them that of a plane: ``aim`` is a point on it and its
+        normal."""
+        n, m, u = len(self.units), self.segments, len(unknowns)
+        x, part = self.states(unknowns), self.period(unknowns) / self.segments
+        off, slopes, steps = [], [], []
+        for i in range(m):
+            state = self.flow.start(x[i], time=i * part * self.space.is_driven, columns=np.eye(n))
+            self.flow.go(state, state.time + part, self.values, self.tol)
+            gap = state.x - x[(i + 1) % m]
+            if i == m - 1:
+                gap -= self.turns(unknowns, state.x) * 2 * np.pi
+            row = np.zeros((n, u))
+            row[:, i * n : (i + 1) * n] += state.columns * self.units / self.units[:, None]
+            j = (i + 1) % m
+            row[:, j * n : (j + 1) * n] -= np.eye(n)
+            if not self.space.is_driven:
+                rates, _ = self.flow.rates(state.x, self.values)
+                row[:, -1] = rates * self.span / m / self.units
+            off.append(gap / self.units)
+            slopes.append(row)
+            steps.append(state.columns.copy())
+        constants, gradients = self.space.constants_at(x[0], self.values)
+        sizes = np.linalg.norm(gradients * self.units, axis=1)
+        sizes[sizes == 0] = 1.0
+        row = np.zeros((len(self.held), u))
+        row[:, :n] = gradients[self.held] * self.units / sizes[self.held, None]
+        off.append((constants[self.held] - self.targets) / sizes[self.held])
+        slopes.append(row)
+        if not self.space.is_driven:  # of all its points the orbit is told by one
+            place, rates = self.anchor
+            normal = rates / self.units / np.linalg.norm(rates / self.units)
+            row = np.zeros((1, u))
+            row[0, :n] = normal
+            off.append(np.array([normal @ ((x[0] - place) / self.units)]))
+        else:
+            row = np.zeros((1, u))
+            row[0, -1] = 1.0
+            off.append(unknowns[-1:] - 1.0)
+        slopes.append(row)
+        if aim is not None:
+            off.append(np.array([aim[1] @ (unknowns - aim[0])]))
+            slopes.append(aim[1][None])
+        return _Linear(np.concatenate(off), np.concatenate(slopes), steps)
+
+    def turns(self, unknowns: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """By how many whole turns angles have grown."""
+        grown = (end - self.states(unknowns)[0]) / (2 * np.pi)
+        return np.where(self.turning, np.round(grown), 0.0)
+
+    def solve(self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray:
+        """Newton's method; ``DefinitionError`` where it does not converge."""
+        here = self.linear(unknowns, aim)
+        error = float(np.abs(here.off).max())
+        for _ in range(ITERATIONS):
+            left, sizes, right = np.linalg.svd(here.slopes, full_matrices=False)
+            rank = int((sizes > SINGULAR * sizes[0]).sum())
+            sizes, parts = sizes[:rank], left.T[:rank] @ here.off
+            for damping in DAMPINGS:
+                weights = sizes / (sizes**2 + damping * sizes[0] ** 2)
+                trial = unknowns - right[:rank].T @ (weights * parts)
+                there = self._try(trial, aim)
+                if there is not None and np.abs(there.off).max() < 0.9 * error:
+                    break
+            else:
+                break
+            unknowns, here, error = trial, there, float(np.abs(there.off).max())
+        if error > CLOSURE:
+            raise DefinitionError(
+                f"no periodic orbit is found near the start: what is nearest fails to close by "
+                f"{error:.1e} after t = {self.period(unknowns):.6g}; give another start or period"
+                + (", or hold fewer integrals" if len(self.held) else "")
+            )
+        x = self.states(unknowns)[0]
+        rates, matrix = self.flow.rates(x, self.values)
+        pace = np.linalg.norm(matrix * self.units / self.units[:, None], 2)
+        if not 0.01 < unknowns[-1] < 100 or np.abs(rates / self.units).max() < STILL * pace:
+            raise DefinitionError("the guess leads to an equilibrium; start farther away from it")
+        return unknowns
+
+    def _try(
+        self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None
+    ) -> _Linear | None:
+        """The equations, where the motion can be followed."""
+        if not unknowns[-1] > 0.01:
+            return None
+        try:
+            return self.linear(unknowns, aim)
+        except VoronecError:
+            return None
+
+    def orbit(self, unknowns: np.ndarray) -> PeriodicOrbit:
+        """The orbit of unknowns that solve the equations."""
+        space, here = self.space, self.linear(unknowns, None)
+        x, period = self.states(unknowns)[0], self.period(unknowns)
+        monodromy = np.linalg.multi_dot([*here.steps[::-1], np.eye(len(x))]) if len(
+            here.steps) > 1 else here.steps[0]  # fmt: skip
+        constants, gradients = space.constants_at(x, self.values)
+        rates, _ = self.flow.rates(x, self.values)
+        flow = None if space.is_driven else rates
+        trivial, others = _split_multipliers(monodromy, flow, gradients, self.units)
+        path, state = [x], self.flow.start(x)
+        for t in np.linspace(0, period, 201)[1:]:
+            self.flow.go(state, t, self.values, COARSE, 1)
+            path.append(state.x.copy())
+        own = dict(
+            zip(map(str, space.motions.program.parameters), self.values.tolist(), strict=True)
+        )
+        return PeriodicOrbit(
+            space.system, space.names, x, period, self.turns(unknowns, path[-1]).astype(int),
+            monodromy, trivial, others, dict(zip(space.constants, constants.tolist(), strict=True)),
+            own, float(np.abs(here.off[: here.off.size]).max()), np.array(path),
+        )  # fmt: skip
+
+    def follow(
+        self, unknowns: np.ndarray, first: PeriodicOrbit, to: float, points: int,
+        progress: Callable[[float], Any] | None,
+    ) -> tuple[tuple[PeriodicOrbit, ...], tuple[Bifurcation, ...], str]:  # fmt: skip
+        """The family up to the value ``to`` of what it is followed along."""
+        self = self.without_target()
+        begin, orbits, bifurcations = self.value(unknowns), [first], list[Bifurcation]()
+        way, ended = np.sign(to - begin), "complete"
+        tangent = self.tangent(unknowns, None, way)
+        if not way:
+            return (first,), (), "complete"
+        step = (to - begin) / (max(points, 2) - 1)
+        stride = abs(step / self._rise(unknowns, tangent))
+        while len(orbits) < points:
+            anchored = replace(self, anchor=self._anchor(unknowns))
+            try:
+                there = anchored.step(unknowns, tangent, stride)
+                if way * (anchored.value(there) - to) > 0 or len(orbits) == points - 1:
+                    there, ended = anchored.onto(unknowns, tangent, stride, to), "complete"
+                orbit = anchored.orbit(there)
+            except VoronecError:
+                stride /= 2
+                if stride < 1e-6:
+                    ended = "ended: no orbit is found farther on"
+                    break
+                continue
+            bifurcations += anchored.bifurcations(unknowns, tangent, (orbits[-1], orbit), there)
+            unknowns, tangent = there, self.tangent(there, tangent, way)
+            orbits.append(orbit)
+            if progress is not None:
+                progress(min(len(orbits) / points, 1.0))
+            if abs(self.value(unknowns) - to) <= 1e-9 * max(abs(to - begin), abs(to)):
+                break
+            rise = abs(self._rise(unknowns, tangent))
+            stride = min(abs(step) / rise, 2 * stride) if rise > 0 else stride
+        else:
+            ended = f"stopped after {points} orbits"
+        return tuple(orbits), tuple(bifurcations), ended
+
+    def without_target(self) -> _OrbitEquations:
+        """Without holding what the family is followed along."""
+        free = self.held != self.along
+        return replace(self, held=self.held[free], targets=self.targets[free])
+
+    def _anchor(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = self.states(unknowns)[0]
+        return x, self.flow.rates(x, self.values)[0]
+
+    def value(self, unknowns: np.ndarray) -> float:
+        """What the family is followed along."""
+        assert self.along is not None
+        return float(self.space.constants_at(self.states(unknowns)[0], self.values)[0][self.along])
+
+    def _slope(self, unknowns: np.ndarray) -> np.ndarray:
+        """The slope of that by the unknowns."""
+        _, gradients = self.space.constants_at(self.states(unknowns)[0], self.values)
+        row = np.zeros(len(unknowns))
+        row[: len(self.units)] = gradients[self.along] * self.units
+        return row
+
+    def _rise(self, unknowns: np.ndarray, tangent: np.ndarray) -> float:
+        return float(self._slope(unknowns) @ tangent)
+
+    def tangent(self, unknowns: np.ndarray, before: np.ndarray | None, way: float) -> np.ndarray:
+        """The direction of the family, of length one: of a single one on from ``before``, of more
+        that in which what it is followed along grows most, or falls most, by the sign of ``way``.
+        """
+        anchored = replace(self, anchor=self._anchor(unknowns))
+        _, sizes, rows = np.linalg.svd(anchored.linear(unknowns, None).slopes)
+        free = rows[int((sizes > SINGULAR * sizes[0]).sum()) :]
+        alone = before is not None and len(free) == 1
+        guide = before if alone else way * self._slope(unknowns)
+        found = free.T @ (free @ guide)
+        if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
+            raise EngineLimit(
+                "the orbit is alone: no family leads on from it; hold fewer integrals, or follow "
+                "another"
+            )
+        return np.asarray(found / np.linalg.norm(found))
+
+    def step(self, unknowns: np.ndarray, tangent: np.ndarray, stride: float) -> np.ndarray:
+        """The orbit a stride along the tangent."""
+        return self.solve(unknowns + stride * tangent, (unknowns + stride * tangent, tangent))
+
+    def onto(
+        self, unknowns: np.ndarray, tangent: np.ndarray, stride: float, to: float
+    ) -> np.ndarray:
+        """The orbit with the value ``to``, near the end of a stride."""
+        assert self.along is not None
+        reach = (to - self.value(unknowns)) / self._rise(unknowns, tangent)
+        guess = unknowns + min(reach, 2 * stride) * tangent
+        held = np.append(self.held, self.along)
+        full = replace(self, held=held, targets=np.append(self.targets, to))
+        return full.solve(guess, None)
+
+    def bifurcations(
+        self, unknowns: np.ndarray, tangent: np.ndarray,
+        orbits: tuple[PeriodicOrbit, PeriodicOrbit], there: np.ndarray,
+    ) -> Iterator[Bifurcation]:  # fmt: skip
+        """Where multipliers pass -1 or 1 between two orbits of a family."""
+        from scipy.optimize import brentq
+
+        reach = float(tangent @ (there - unknowns))
+        for at in (-1, 1):
+            ends = [float(np.prod(orbit.multipliers - at).real) for orbit in orbits]
+            if not ends[0] * ends[1] < 0 or min(map(abs, ends)) < MARGIN:
+                continue
+
+            stride = brentq(partial(self._distance, unknowns, tangent, at), 0.0, reach,
+                            xtol=1e-13, rtol=1e-13)  # fmt: skip
+            found = self.step(unknowns, tangent, stride)
+            yield Bifurcation(at, self.value(found), self.orbit(found))
+
+    def _distance(
+        self, unknowns: np.ndarray, tangent: np.ndarray, at: int, stride: float
+    ) -> float:  # fmt: skip
+        """The product of all distances of multipliers from 1 or -1, a stride along the tangent."""
+        orbit = self.orbit(self.step(unknowns, tangent, stride))
+        return float(np.prod(orbit.multipliers - at).real)
+
+
+def _split_multipliers(
+    monodromy: np.ndarray, rates: np.ndarray | None, gradients: np.ndarray, units: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The multipliers of the flow and of the constants of the motion, and all others, by the blocks
+    of the module; ``rates`` are None where the time stands in the equations."""
+    matrix = monodromy * units / units[:, None]
+    rows = gradients * units
+    sizes = np.linalg.norm(rows, axis=1)
+    rows = rows[sizes > 0] / sizes[sizes > 0, None]
+    _, values, basis = np.linalg.svd(rows) if len(rows) else (0, np.zeros(0), np.eye(len(units)))
+    rank = int((values > 1e-9).sum())
+    across, inside = basis[:rank], basis[rank:]
+    trivial = [np.linalg.eigvals(across @ matrix @ across.T)]
+    if rates is not None:
+        along = rates / units / np.linalg.norm(rates / units)
+        trivial.append(np.array([along @ matrix @ along]))
+        inside = np.linalg.svd((inside @ along)[None])[2][1:] @ inside
+    others = np.linalg.eigvals(inside @ matrix @ inside.T) if len(inside) else np.array([])
+    return np.concatenate(trivial), others[np.argsort(-np.abs(others), kind="stable")]
+
+
+def _gap(end: np.ndarray, x: np.ndarray, units: np.ndarray, turning: np.ndarray) -> np.ndarray:
+    """From a state to another in units, angles up to whole turns."""
+    off = end - x
+    off[turning] -= 2 * np.pi * np.round(off[turning] / (2 * np.pi))
+    return np.asarray(off / units)
+
+
+def _return_time(
+    flow: VariationalFlow, x: np.ndarray, values: np.ndarray, units: np.ndarray, turning: np.ndarray
+) -> float:
+    """When a motion comes back next to its start, roughly."""
+    state, gaps, farthest = flow.start(x, units=units), [0.0], 0.0
+    _, matrix = flow.rates(x, values)
+    step = 0.1 / (np.linalg.norm(matrix * units / units[:, None], 2) or 1.0)
+    for i in range(1, SEARCH):
+        flow.go(state, i * step, values, COARSE, 1)
+        gaps.append(float(np.linalg.norm(_gap(state.x, x, units, turning))))
+        farthest = max(farthest, gaps[-1])
+        if len(gaps) > 2 and gaps[-3] > gaps[-2] < gaps[-1] and gaps[-2] < NEAR * farthest:
+            return float(state.time - step)
+    raise DefinitionError(
+        f"periodic: the motion does not come back next to its start within t = {state.time:.6g}; "
+        "give a period"
+    )
+
+
+def _nearest_time(
+    flow: VariationalFlow, x: np.ndarray, values: np.ndarray, units: np.ndarray,
+    turning: np.ndarray, time: float,
+) -> float:  # fmt: skip
+    """When, next to a time, a motion is nearest to its start: (x(t) - x) . x'(t) = 0."""
+    found = time
+    for _ in range(5):
+        state = flow.start(x, units=units)
+        flow.go(state, found, values, COARSE, 1)
+        rates = flow.rates(state.x, values)[0] / units
+        found -= float(_gap(state.x, x, units, turning) @ rates / (rates @ rates))
+        if not 0.5 * time < found < 2 * time:
+            return time
+    return found

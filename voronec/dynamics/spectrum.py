@@ -1,0 +1,155 @@
+"""Eigenvalues of a steady motion, those that integrals and families make zero told from the others.
+
+    dx' = A dx,   A = df/dx
+
+Directions of the family, and what relations and integrals hold, give zeros, as many for all motions
+of a family.  They are taken out one null space after another, so that the matrix that is left is
+regular, and chains of Jordan do no harm to its eigenvalues.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import flint
+import numpy as np
+
+SMALL = 1e-7
+"""Singular values, and real parts, below this share of the largest are taken for zero: a chain of
+two eigenvalues is known to the root of the rounding."""
+
+EVEN = 1e-10
+"""Odd coefficients below this, of a matrix of norm one, vanish."""
+
+
+@dataclass(frozen=True)
+class Deflation:
+    """How many zeros each round takes out."""
+
+    counts: tuple[int, ...]
+
+    @property
+    def zeros(self) -> int:
+        """How many zeros there are in all."""
+        return sum(self.counts)
+
+    @classmethod
+    def of(cls, matrix: np.ndarray) -> Deflation:
+        """That of a matrix (n, n), as its ranks tell."""
+        counts: list[int] = []
+        scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 0.0
+        while matrix.size:
+            _, sizes, right = np.linalg.svd(matrix)
+            zeros = int((sizes <= SMALL * scale).sum())
+            if not zeros:
+                break
+            counts.append(zeros)
+            kept = right[: len(sizes) - zeros]
+            matrix = kept @ matrix @ kept.T
+        return cls(tuple(counts))
+
+    def rest(self, matrix: np.ndarray) -> np.ndarray:
+        """What is left of a matrix without so many zeros."""
+        for zeros in self.counts:
+            _, sizes, right = np.linalg.svd(matrix)
+            kept = right[: len(sizes) - zeros]
+            matrix = kept @ matrix @ kept.T
+        return matrix
+
+
+def balance(matrix: np.ndarray) -> np.ndarray:
+    """A similar matrix whose rows and columns are of one size."""
+    from scipy.linalg import matrix_balance
+
+    found: np.ndarray = matrix_balance(matrix, permute=False)[0]
+    return found
+
+
+def in_order(values: np.ndarray) -> np.ndarray:
+    """Eigenvalues by real part, then imaginary part, both up to rounding."""
+    size = float(np.abs(values).max(initial=1.0))
+    keys = np.round(values.real / size, 9), np.round(values.imag / size, 9)
+    return values[np.lexsort((keys[1], keys[0]))]
+
+
+def characteristic(slopes: Any, size: int, zeros: int) -> list[Any]:
+    """The coefficients of the characteristic polynomial of the leading block of an ``arb_mat``,
+    from the constant on, without the factor lambda^zeros."""
+    block = [slopes[i, j] for i in range(size) for j in range(size)]
+    coefficients: list[Any] = flint.arb_mat(size, size, block).charpoly().coeffs()
+    return coefficients[zeros:]
+
+
+def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
+    """What changes its sign where an eigenvalue passes through zero (``real``), where a pair
+    crosses the imaginary axis (``pair``), and, where with each eigenvalue its negative is one,
+    where two pairs meet on it (``meeting``), scaled."""
+    scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 1.0
+    values = np.linalg.eigvals(matrix / (scale or 1.0))
+    found = {"real": float(np.prod(values).real)}
+    coefficients = np.poly(matrix / (scale or 1.0))
+    if len(values) % 2 == 0 and np.abs(coefficients[1::2]).max(initial=0.0) < EVEN:
+        squares = np.roots(coefficients[::2])
+        gaps = [(a - b) ** 2 for a, b in combinations(squares, 2)]
+        return found | {"meeting": float(np.prod(gaps).real)}
+    return found | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}
+
+
+def hurwitz(coefficients: Sequence[Any]) -> Any:
+    """The Hurwitz determinant of order n - 1, the product of all sums of two eigenvalues up to its
+    sign [Orlando's formula: Gantmacher1959, ch. XV]; it vanishes where a pair crosses the imaginary
+    axis."""
+    n = len(coefficients) - 1
+    down = [*reversed(coefficients)]
+    rows = [
+        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else flint.arb(0)
+         for j in range(n - 1)]
+        for i in range(n - 1)
+    ]  # fmt: skip
+    return _determinant(rows)
+
+
+def discriminant(coefficients: Sequence[Any]) -> Any:
+    """That of a polynomial, up to its sign, which is one for all of a degree: it vanishes where two
+    roots meet."""
+    n = len(coefficients) - 1
+    slopes = [k * c for k, c in enumerate(coefficients)][1:]
+    zero, rows = flint.arb(0), []
+    for poly, count in ((coefficients, n - 1), (slopes, n)):
+        down = [*reversed(poly)]
+        for i in range(count):
+            rows.append([zero] * i + down + [zero] * (2 * n - 1 - i - len(down)))
+    return _determinant(rows) if n > 1 else flint.arb(1)
+
+
+def _determinant(rows: Sequence[Sequence[Any]]) -> Any:
+    n = len(rows)
+    if n == 0:
+        return flint.arb(1)
+    return flint.arb_mat(n, n, [e for row in rows for e in row]).det()
+
+
+def root_on_right(coefficients: Sequence[Any], near: complex, bits: int) -> Any | None:
+    """A ball, an ``acb``, in which every polynomial of the enclosed family has one root, if that
+    is proved by Newton's interval method and lies right of the imaginary axis; else None."""
+    with flint.ctx.workprec(bits):
+        poly = flint.acb_poly([flint.acb(c) for c in coefficients])
+        slope = poly.derivative()
+        middle = flint.acb(near.real, near.imag)
+        for _ in range(8):
+            below = slope(middle)
+            if below.contains(0):
+                return None
+            middle = (middle - poly(middle) / below).mid()
+        step = abs(poly(middle) / slope(middle)).upper() if slope(middle).is_finite() else None
+        if step is None or not step.is_finite():
+            return None
+        reach = float(step) * 4 + abs(near) * 2.0 ** (-bits // 2)
+        ball = middle + flint.acb(flint.arb(0, reach), flint.arb(0, reach))
+        if slope(ball).contains(0):
+            return None
+        found = middle - poly(middle) / slope(ball)
+        return found if ball.contains(found) and found.real > 0 else None

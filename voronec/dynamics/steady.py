@@ -1,0 +1,417 @@
+"""Steady motions: relative equilibria, permanent rotations, uniform rollings, rest.
+
+In the smallest formulation, cyclic coordinates left out, they are the points at which nothing
+changes.  Newton's method finds them from many starts with the exact Jacobian of the program, whose
+rank tells of how many dimensions the family is to which each belongs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import flint
+import mpmath as mp
+import numpy as np
+import symengine as se
+
+from voronec.algebra.arguments import COUNT, SEVERAL, VALUES, accepts
+from voronec.algebra.memo import Memo
+from voronec.algebra.symbols import plain_name
+from voronec.declaration.reading import expression, quote, several
+from voronec.declaration.system import System, require_system
+from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.newton import null_space, polish, solve
+from voronec.dynamics.spectrum import SMALL, Deflation, balance, in_order
+from voronec.dynamics.steady_equations import (
+    SteadyEquations,
+    read_quantity,
+    require_values,
+    steady_equations,
+)
+from voronec.equations.motions import Motions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.motion.inputs import drive
+from voronec.motion.request import number
+
+if TYPE_CHECKING:
+    from voronec.dynamics.charts import StabilityChart
+    from voronec.dynamics.families import SteadyFamily
+
+NEAR = 1e-5
+"""Entries below this, in their units, are tried as zero: Newton's method comes no nearer to
+solutions at which the Jacobian loses its rank."""
+FAR = 1e3
+"""Solutions beyond so many units are not told of: many functions vanish at infinity."""
+
+
+HALF = se.Rational(1, 2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SteadyMotion:
+    """One steady motion, or one of a family: ``y`` (n,) are the values of the unknowns of its
+    ``equations``, whose usual sizes are ``units`` (n,)."""
+
+    motions: Motions = field(repr=False)
+    equations: SteadyEquations = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    units: np.ndarray = field(repr=False)
+    memo: Memo = field(default_factory=Memo, init=False, repr=False)
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.equations.system
+
+    @property
+    def point(self) -> dict[str, float]:
+        """The values of the variables by name."""
+        return dict(zip(self.equations.names, map(float, self.y), strict=True))
+
+    @cached_property
+    def tangents(self) -> np.ndarray:
+        """Directions of the family (n, dimension)."""
+        return null_space(self.equations.at(self.y)[1], self.units)
+
+    @property
+    def dimension(self) -> int:
+        """Of how many dimensions the family is."""
+        return self.tangents.shape[1]
+
+    @cached_property
+    def free(self) -> tuple[str, ...]:
+        """Variables by which the members of the family are told apart."""
+        return tuple(self.equations.names[i] for i in pivots(self.tangents / self.units[:, None]))
+
+    @cached_property
+    def zero(self) -> tuple[str, ...]:
+        """Variables that vanish along the family."""
+        still = np.abs(self.tangents / self.units[:, None]).max(axis=1, initial=0.0) < 1e-9
+        names = zip(self.equations.names, self.y, still, strict=True)
+        return tuple(name for name, x, rests in names if x == 0 and rests)
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether nothing moves at all."""
+        moving = {str(v) for v in self.equations.formulation.velocities}
+        return all(x == 0 for name, x in self.point.items() if name in moving)
+
+    @property
+    def kind(self) -> str:
+        """``rest`` or ``steady motion``."""
+        return "rest" if self.is_rest else "steady motion"
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """A (n, n) of dx' = A dx, in the variables of the smallest formulation."""
+        n = self.equations.size
+        found: np.ndarray = self.equations.at(self.y)[1][:n, :n]
+        return found
+
+    @cached_property
+    def deflation(self) -> Deflation:
+        """How many eigenvalues vanish for all motions of the family."""
+        return Deflation.of(self.matrix)
+
+    @cached_property
+    def spectrum(self) -> np.ndarray:
+        """The eigenvalues (n - k,) that do not vanish for all motions of the family, complex, by
+        real part, then imaginary part."""
+        return in_order(np.linalg.eigvals(balance(self.deflation.rest(self.matrix))))
+
+    @property
+    def zeros(self) -> int:
+        """How many further eigenvalues vanish: directions of the family, and what relations,
+        integrals and cyclic variables hold."""
+        return self.deflation.zeros
+
+    def in_digits(self, digits: int) -> dict[str, mp.mpf]:
+        """The point to so many digits, in which constants are exact as they were given.
+
+        ``EngineLimit`` where the equations are degenerate there, or have no evaluation in balls.
+        """
+        found = self._polished(int(3.33 * digits) + 40)
+        with mp.workdps(digits):
+            return {n: +to_mpf(x) for n, x in zip(self.equations.names, found, strict=True)}
+
+    def _polished(self, bits: int) -> list[Any]:
+        """The point in balls; what is held may touch the family, and then its nearest point."""
+        try:
+            return polish(self.equations, self.y, bits)
+        except EngineLimit:
+            return polish(self.equations.only_leaves(), self.y, bits)
+
+    def eigenvalues(self, digits: int = 40) -> list[mp.mpc]:
+        """All eigenvalues, zeros among them, to so many digits, by real and imaginary part."""
+        n = self.equations.size
+        # an eigenvalue of a chain of n loses so many digits
+        bits = int(3.33 * (digits + 10)) * (max(self.deflation.counts, default=1) + 2) + 64
+        y = self._polished(bits)
+        slopes = self.equations.slopes_in_balls(y, bits)
+        with flint.ctx.workprec(bits):
+            block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]
+            found = flint.acb_mat(n, n, block).eig(algorithm="approx")
+            size = max(1.0, max(float(abs(e)) for e in found)) if found else 1.0
+            pairs = [(to_mpf(e.real.mid()), to_mpf(e.imag.mid())) for e in found]
+        small = mp.mpf(10) ** -(digits + 2) * size
+        with mp.workdps(digits):
+            parts = [mp.mpc(*(x if abs(x) > small else 0 for x in pair)) for pair in pairs]
+            return sorted((+e for e in parts), key=lambda e: (float(e.real), float(e.imag)))
+
+    @cached_property
+    def verdict(self) -> StabilityVerdict:
+        """What the linearisation says, in the words of mathematics."""
+        return judge(self)
+
+    def stability(
+        self, over: Any = None, between: Any = None, hold: Any = (), count: int = 100
+    ) -> StabilityVerdict | SteadyFamily:
+        """The ``verdict``; with ``over`` the family over that quantity, with its critical values,
+        as ``along`` gives it."""
+        return self.verdict if over is None else self.along(over, between, hold, count)
+
+    def along(
+        self, over: Any, between: Sequence[Any], hold: Any = (), count: int = 100
+    ) -> SteadyFamily:
+        """The family in which a quantity ``over`` - a parameter, an input, a variable, an integral
+        or a formula in them - goes from one value to another, in some ``count`` steps.
+
+        What ``at`` gave to ``steady`` is held where ``hold`` names it; where the family has more
+        dimensions than one, variables are held besides, such as are zero first.  Functions of
+        integrable constraints are always held.  ``DefinitionError`` where the quantity is
+        constant along the family, or the family does not reach the span.
+        """
+        from voronec.dynamics.families import follow
+
+        return follow(self, over, between, hold, count)
+
+    def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> StabilityChart:
+        """How many eigenvalues lie on the right over two quantities, ``(name, low, high)`` each, at
+        ``count`` values of both."""
+        from voronec.dynamics.charts import chart
+
+        return chart(self, x, y, count, hold)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{n}={x:.6g}" for n, x in self.point.items())
+        return f"SteadyMotion({self.system.name!r}, {self.kind}, {values})"
+
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it."""
+        return {
+            "kind": self.kind,
+            "point": self.point,
+            "dimension": self.dimension,
+            "free": list(self.free),
+            "zero": list(self.zero),
+            "eigenvalues": [[float(e.real), float(e.imag)] for e in self.spectrum],
+            "zeros": self.zeros,
+            "stability": str(self.verdict),
+            "proved": self.verdict.proved,
+        }
+
+
+@dataclass(frozen=True)
+class StabilityVerdict:
+    """``unstable``: an eigenvalue lies right of the imaginary axis, ``proved`` where it is enclosed
+    there, ``witness`` then the enclosure as text; ``spectrally stable``: none lies there in
+    numbers, which does not prove stability; ``linearly attracting``: all that do not vanish for the
+    whole family lie left of it."""
+
+    word: str
+    proved: bool
+    unstable: int
+    witness: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.word}, proved: {self.witness}" if self.proved else f"{self.word}, in numbers"
+
+
+def unstable_count(values: np.ndarray) -> int:
+    """How many eigenvalues lie right of the imaginary axis, beyond rounding."""
+    size = float(np.abs(values).max(initial=0.0))
+    return int((values.real > SMALL * size).sum())
+
+
+def judge(motion: SteadyMotion) -> StabilityVerdict:
+    """The verdict on one steady motion."""
+    values, count = motion.spectrum, unstable_count(motion.spectrum)
+    if count:
+        witness = enclosed_on_right(motion.motions, motion.equations, motion.y, complex(values[-1]))
+        return StabilityVerdict("unstable", witness is not None, count, witness or "")
+    size = float(np.abs(values).max(initial=0.0))
+    left = len(values) and bool((values.real < -SMALL * size).all())
+    return StabilityVerdict("linearly attracting" if left else "spectrally stable", False, 0)
+
+
+def to_mpf(ball: Any) -> mp.mpf:
+    """The middle of a ball, exactly."""
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    with mp.workprec(max(53, mantissa.bit_length() + 1)):
+        return mp.ldexp(mp.mpf(mantissa), exponent)
+
+
+def pivots(directions: np.ndarray) -> list[int]:
+    """As many rows as there are columns, in which the columns are well independent."""
+    if not directions.shape[1]:
+        return []
+    from scipy.linalg import qr
+
+    order = qr(directions.T, pivoting=True, mode="r")[1]
+    return sorted(int(i) for i in order[: directions.shape[1]])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SteadyMotions(Sequence[SteadyMotion]):
+    """The steady motions that were found: isolated ones, and one of each family, by which variables
+    vanish along it and by its dimension.  ``starts`` and ``solved`` tell of how many searches."""
+
+    system: System
+    motions: tuple[SteadyMotion, ...]
+    starts: int
+    solved: int
+
+    def __len__(self) -> int:
+        return len(self.motions)
+
+    def __getitem__(self, i: Any) -> Any:
+        return self.motions[i]
+
+    def __repr__(self) -> str:
+        return f"SteadyMotions({self.system.name!r}, {len(self)} found)"
+
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it."""
+        return {
+            "system": self.system.name,
+            "starts": self.starts,
+            "solved": self.solved,
+            "motions": [m.as_dict() for m in self.motions],
+        }
+
+
+@accepts(at=VALUES, parameters=VALUES, free=SEVERAL, starts=COUNT, seed=COUNT)
+def steady(
+    system: System | VoronecEquations,
+    at: Mapping[Any, Any] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    free: Any = (),
+    starts: int = 100,
+    seed: int = 1,
+) -> SteadyMotions:
+    """The steady motions of a system, in numbers, from many starts.
+
+    ``at`` gives values of variables of the smallest formulation, of integrals, or of formulas in
+    them, that are to be met; ``parameters`` those of parameters and inputs, over their default
+    values; ``free`` names parameters or inputs that are to be found, as in the trim of a driven
+    system.  Functions that integrable constraints hold keep the values of the default scene.
+
+    Raises ``DefinitionError`` for unknown names, a parameter without a value, a system that depends
+    on the time, and where no start leads to a steady motion.
+    """
+    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    equations = drive(system, unknown=True).equations
+    motions, said = Motions.of(equations), _scene_values(own)
+    given = {f"{plain_name(u)}dot": 0 for u in own.inputs if _holds_rate(equations, u)}
+    given |= {plain_name(k): x for k, x in (parameters or {}).items()}
+    found = steady_equations(equations, given, said)
+    _require_constants(found, given)
+    unknown = [plain_name(k) for k in several(free, "free", "name")]
+    _require_constants(found, unknown)
+    found = found.with_unknowns(unknown)
+    require_values(found)
+    held = {}
+    for key, value in (at or {}).items():
+        name, expr = read_quantity(found, motions, key)
+        held[name] = (expr, expression(value, f"the value of '{name}'"))
+    found = found.holding(held)
+    return _search(motions, found, said, starts, seed)
+
+
+def _holds_rate(equations: VoronecEquations, u: Any) -> bool:
+    """Whether the rate of an input is a parameter; it is zero in a steady motion."""
+    return f"{plain_name(u)}dot" in equations.system.parameter_names
+
+
+def _scene_values(system: System) -> dict[str, Any]:
+    scene = system.scenes.get("default")
+    return {plain_name(k): x for k, x in scene.initial.items()} if scene else {}
+
+
+def _require_constants(equations: SteadyEquations, names: Iterable[str]) -> None:
+    known = equations.constants
+    for name in names:
+        if name not in known:
+            raise DefinitionError(
+                f"system '{equations.system.name}': '{quote(name)}' is no parameter and no "
+                f"input of the equations{did_you_mean(name, known)}"
+            )
+
+
+def _search(
+    motions: Motions, equations: SteadyEquations, said: Mapping[str, Any], starts: int, seed: int
+) -> SteadyMotions:
+    units = sizes_of(equations, said)
+    random = np.random.default_rng(seed)
+    found: dict[Any, SteadyMotion] = {}
+    solved = 0
+    for k in range(starts):
+        kept = random.integers(0, 2, len(units)) if k % 2 else np.ones(len(units))
+        y = random.normal(size=len(units)) * units * kept
+        for name, value in equations.targets.items():
+            if name in equations.names:
+                y[equations.names.index(name)] = float(value)
+        y[roots_of(equations)] = np.abs(y[roots_of(equations)])
+        motion = settle(motions, equations, y, units)
+        if motion is not None:
+            solved += 1
+            place = () if motion.dimension else tuple(np.round(motion.y / units, 6) + 0.0)
+            found.setdefault((motion.dimension, motion.zero, place), motion)
+    if not found:
+        raise DefinitionError(
+            f"system '{equations.system.name}': none of {starts} starts leads to a steady "
+            "motion; hold fewer values, or take more starts"
+        )
+    order = sorted(found.values(), key=lambda m: (not m.is_rest, -len(m.zero), m.dimension))
+    return SteadyMotions(equations.system, tuple(order), starts, solved)
+
+
+def sizes_of(equations: SteadyEquations, said: Mapping[str, Any]) -> np.ndarray:
+    """The usual sizes of the unknowns: what scenes and values say of them, else one."""
+    values = {
+        k: x for k, x in {**said, **equations.values, **equations.targets}.items() if x is not None
+    }
+    system = equations.system
+    for scene in system.scenes.values():
+        for key, value in scene.initial.items():
+            name, size = plain_name(key), abs(number(value, "a value of a scene"))
+            values[name] = max(abs(number(values.get(name, 0), "a value")), size)
+    sizes = [abs(number(values.get(name, 0), "a value")) for name in equations.names]
+    return np.array([size or 1.0 for size in sizes])
+
+
+def roots_of(equations: SteadyEquations) -> list[int]:
+    """The positions of states that are square roots, and so never negative."""
+    start = equations.formulation.start
+    states = enumerate(equations.unknowns[: equations.size])
+    return [i for i, x in states if isinstance(e := start.get(x), se.Pow) and e.args[1] == HALF]
+
+
+def settle(
+    motions: Motions, equations: SteadyEquations, y: np.ndarray, units: np.ndarray
+) -> SteadyMotion | None:
+    """The steady motion to which Newton's method leads; None where it leads to none."""
+    found = solve(equations.at, y, units)
+    if found is None or np.abs(found / units).max(initial=0.0) > FAR:
+        return None
+    near = np.where(np.abs(found) < NEAR * units, 0.0, found)
+    exact = solve(equations.at, near, units)
+    found = exact if exact is not None else found
+    if any(found[i] < 0 for i in roots_of(equations)):
+        return None
+    return SteadyMotion(motions, equations, np.where(np.abs(found) < 1e-12 * units, 0.0, found),
+                        units)  # fmt: skip

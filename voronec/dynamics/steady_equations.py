@@ -1,0 +1,354 @@
+"""What vanishes at a steady motion: the rates of the smallest formulation, and what binds it.
+
+    f(x, p) = 0,   r(x, p) = 0,   h(x, p) = c
+
+x are the variables on which the accelerations depend, cyclic coordinates left out, so that a
+relative equilibrium is a point; r are the relations of redundant variables; h are integrals of the
+constraints (leaf functions), and what a user holds.  Values and slopes are one straight-line
+program, evaluated in doubles or in balls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import flint
+import numpy as np
+import symengine as se
+import sympy as sp
+
+from voronec.algebra.memo import Memo
+from voronec.algebra.symbols import plain_name
+from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.text import name_or_formula
+from voronec.declaration.claims import right_of
+from voronec.declaration.reading import expression, quote
+from voronec.declaration.system import System
+from voronec.equations.motions import Motions
+from voronec.equations.program import Block, Program, compile_program
+from voronec.equations.program.jacobian import jacobian
+from voronec.equations.program.straight import fresh_names, share_subexpressions
+from voronec.equations.voronec_equations import VoronecEquations
+from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.motion.formulation import (
+    Formulation,
+    SmallestModels,
+    constants,
+    dependence,
+    keep_relations,
+    needed_variables,
+    restrict,
+)
+from voronec.motion.request import Namespace, number
+
+RECENT = 64
+"""Values at so many points are kept: tangents and slopes ask for them again."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyEquations:
+    """F(y) with its Jacobian: of each unknown's rate, then of relations, then of ``held``.
+
+    ``unknowns`` are the states, then parameters or inputs that are to be found; ``values`` are
+    those of all other constants, exact where they were given so; ``targets`` those of what is held.
+    """
+
+    formulation: Formulation
+    rates: Program
+    unknowns: tuple[Any, ...]
+    held: tuple[tuple[str, Any], ...]
+    values: Mapping[str, Any]
+    targets: Mapping[str, Any]
+    memo: Memo = field(default_factory=Memo, repr=False)
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        found: System = self.formulation.system
+        return found
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the unknowns."""
+        return tuple(map(str, self.unknowns))
+
+    @property
+    def size(self) -> int:
+        """How many states there are."""
+        return len(self.rates.state)
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """The names of parameters and inputs that may be found or changed."""
+        frozen = {*map(str, constants_of(self.formulation))}
+        own = (*self.rates.parameters, *self.rates.inputs)
+        return tuple(str(p) for p in own if str(p) not in frozen)
+
+    def with_unknowns(self, names: Iterable[str]) -> SteadyEquations:
+        """Those in which further constants are to be found."""
+        more = tuple(se.Symbol(n) for n in names if n not in self.names)
+        return replace(self, unknowns=(*self.unknowns, *more)) if more else self
+
+    def holding(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
+        """Those in which further expressions have values: {name: (expression, value)}."""
+        more = {name: e for name, (e, _) in given.items()}
+        held = {**dict(self.held), **more}
+        values = {**self.targets, **{name: x for name, (_, x) in given.items()}}
+        return replace(self, held=tuple(held.items()), targets=values)
+
+    def only_leaves(self, but: Collection[str] = ()) -> SteadyEquations:
+        """Those in which leaf functions alone are held, but for some."""
+        held = (pair for pair in self.held if pair[0] in self.leaves and pair[0] not in but)
+        return replace(self, held=tuple(held))
+
+    @property
+    def leaves(self) -> dict[str, Any]:
+        """Integrals of the constraints: functions of the coordinates alone."""
+        still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
+        integrals = self.formulation.integrals.items()
+        return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
+
+    @cached_property
+    def _arguments(self) -> tuple[Any, ...]:
+        """The constants that are not to be found."""
+        own = (*self.rates.parameters, *self.rates.inputs)
+        return tuple(p for p in own if p not in self.unknowns)
+
+    def _once(self, what: str, make: Callable[[], Any]) -> Any:
+        """What does not depend on values is made once for all values."""
+        return self.memo.once((what, self.unknowns, self.held), make)
+
+    @property
+    def _blocks(self) -> tuple[Block, Block]:
+        """Values, and slopes row by row."""
+        blocks: tuple[Block, Block] = self._once("blocks", self._write)
+        return blocks
+
+    def _write(self) -> tuple[Block, Block]:
+        derivative = self.rates.derivative
+        known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
+        fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
+        beside = [*self.formulation.relations, *(e for _, e in self.held)]
+        more = share_subexpressions(beside, fresh, self.formulation.stages)
+        rows = Block(
+            (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
+        )
+        unknown = self.unknowns[self.size :]
+        program = replace(self.rates, parameters=self._arguments, inputs=unknown, derivative=rows)
+        return rows, jacobian(program)
+
+    @cached_property
+    def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
+        function: Callable[[Any, Any, Any], list[Any]] = self._once("function", self._compile)
+        return function
+
+    def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
+        blank = Block((), (se.Integer(0),) * len(self.unknowns))
+        block = _joined(*self._blocks, fresh_names([*self.unknowns, *self._arguments], "k"))
+        names = tuple(f"entry {i}" for i in range(len(block.results)))
+        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
+        return compile_program(program, scalar=True)[1]
+
+    @cached_property
+    def _recent(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
+        """What was computed last, by the point."""
+        return {}
+
+    @cached_property
+    def _targets(self) -> list[Any]:
+        return [self.targets[name] for name, _ in self.held]
+
+    @cached_property
+    def _target_doubles(self) -> np.ndarray:
+        return np.array([number(x, "a value that is held") for x in self._targets])
+
+    def at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F (m,) and its Jacobian (m, n) in doubles; not finite where there is no value."""
+        key = y.tobytes()
+        if key not in self._recent:
+            if len(self._recent) >= RECENT:
+                self._recent.clear()
+            self._recent[key] = self._at(y)
+        return self._recent[key]
+
+    def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
+        try:
+            found = np.array(self._function(0.0, y.tolist(), self._doubles), dtype=float)
+        except (ZeroDivisionError, ValueError, OverflowError, TypeError):
+            return np.full(m, np.nan), np.full((m, n), np.nan)
+        found[m - len(self.held) : m] -= self._target_doubles
+        return found[:m], found[m:].reshape(m, n)
+
+    @cached_property
+    def _doubles(self) -> list[float]:
+        return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
+
+    def _run_in_balls(self, which: int, y: Sequence[Any], bits: int) -> list[Any]:
+        """The results of one of the blocks."""
+        steps, ends = self._once(("tapes", which), lambda: _record(self._blocks[which]))
+        with flint.ctx.workprec(bits):
+            known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
+            known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
+            for name, tape in steps:
+                known[name] = tape.run(known, _constant)[0]
+            found: list[Any] = ends.run(known, _constant)
+            return found
+
+    def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
+        """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
+        found = self._run_in_balls(0, y, bits)
+        with flint.ctx.workprec(bits):
+            for i, target in enumerate(self._targets, len(found) - len(self.held)):
+                found[i] -= as_ball(target)
+        return found
+
+    def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
+        """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
+        found = self._run_in_balls(1, y, bits)
+        return flint.arb_mat(len(found) // len(self.unknowns), len(self.unknowns), found)
+
+
+def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
+    """Whether a claimed integral holds these symbols alone."""
+    function = right_of(integral)
+    return bool(function.free_symbols <= {*symbols}) and not function.has(sp.Derivative)
+
+
+def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
+    return [(name, Tape([e])) for name, e in block.assignments], Tape(block.results)
+
+
+def _constant(c: Any) -> Any:
+    return c() if callable(c) else flint.arb(c)
+
+
+def _joined(rows: Block, slopes: Block, names: Any) -> Block:
+    """Two blocks as one, whose names are told apart."""
+    new = {name: next(names) for name, _ in slopes.assignments}
+
+    def on(expr: Any) -> Any:
+        expr = se.sympify(expr)
+        return expr.xreplace({s: new[s] for s in expr.free_symbols if s in new})
+
+    renamed = tuple((new[n], on(e)) for n, e in slopes.assignments)
+    ends = (*rows.results, *map(on, slopes.results))
+    return Block((*rows.assignments, *renamed), ends)
+
+
+def constants_of(formulation: Formulation) -> tuple[Any, ...]:
+    """Parameters of a formulation that are constant variables."""
+    own = {p.name for p in formulation.system.parameters} | {
+        plain_name(u) for u in formulation.system.inputs
+    }
+    return tuple(p for p in formulation.parameters if str(p) not in own)
+
+
+def steady_formulation(equations: VoronecEquations) -> Formulation:
+    """The smallest formulation for the velocities: what accelerations do not depend on is left out,
+    constant variables are parameters.  It is kept with the equations."""
+    return equations.memo.once("steady formulation", lambda: _make(equations))
+
+
+def _make(equations: VoronecEquations) -> Formulation:
+    space = Namespace.of(equations)
+    wanted = space.read_outputs(equations.system.velocities).terms
+    integrals = {name: space.claims[name] for name in equations.system.integrals}
+    formulation = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
+    kept = needed_variables(formulation, dependence(formulation))
+    still = constants(formulation)
+    formulation = replace(formulation, parameters=(*formulation.parameters, *still))
+    return keep_relations(restrict(formulation, [x for x in kept if x not in still]))
+
+
+def steady_equations(
+    equations: VoronecEquations,
+    parameters: Mapping[str, Any],
+    start: Mapping[str, Any],
+) -> SteadyEquations:
+    """The equations with the values of all parameters and inputs; what has none stays open, and
+    ``start`` tells where leaf functions are read off.
+
+    ``DefinitionError`` where the system depends on the time.
+    """
+    formulation = steady_formulation(equations)
+    program = Program.of(formulation.form)
+    system = equations.system
+    if program.time in {s for e in program.derivative.expressions for s in e.free_symbols}:
+        raise DefinitionError(
+            f"system '{system.name}' depends on the time: it has no steady motions; make what "
+            "moves a coordinate, or an input"
+        )
+    if program.is_rough:
+        raise DefinitionError(
+            f"system '{system.name}': its right side is not smooth (signs, steps or corners stand "
+            "in it), so that it has no Jacobian; replace what is not smooth"
+        )
+    values: dict[str, Any] = {p.name: p.value for p in system.parameters if p.value is not None}
+    values |= {str(x): start.get(str(x), 0) for x in constants_of(formulation)}
+    values |= parameters
+    found = SteadyEquations(formulation, program, program.state, (), values, {})
+    given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in found.leaves.items()}
+    return found.holding({n: (e, x) for n, (e, x) in given.items() if x is not None})
+
+
+def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:
+    """The value of a leaf function at the start, with coordinates that are not told zero; None
+    where that is no number."""
+    symbols = {s: as_symengine(at.get(str(s), 0)) for s in expr.free_symbols}
+    try:
+        value = sp.sympify(expr.xreplace(symbols))
+    except (RuntimeError, TypeError, ValueError):
+        return None
+    return value if value.is_number and value.is_finite else None
+
+
+def as_symengine(value: Any) -> Any:
+    """A value for an expression."""
+    return se.sympify(expression(value, "a value"))
+
+
+def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tuple[str, Any]:
+    """What a user names - a variable, an integral, a constant or a formula in these - as an
+    expression on the formulation."""
+    formulation, system = equations.formulation, equations.system
+    own = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
+    own |= {str(x): x for x in equations.rates.inputs}
+    known = {**own, **formulation.integrals}
+    name = key if isinstance(key, str) else plain_name(key)
+    if name in known:
+        return name, known[name]
+    place = f"system '{system.name}': '{quote(name)}'"
+    read = name_or_formula(key, place) if isinstance(key, str) else expression(key, place)
+    if isinstance(read, str):
+        space = Namespace.of(motions.equations)
+        if read not in space.known:
+            raise DefinitionError(f"{place} is unknown{did_you_mean(read, [*known])}")
+        read = space.known[read]
+    try:
+        flow = motions.at(
+            "invariants" if formulation.name.startswith("invariants") else "coordinates"
+        )
+        expr = flow.read(read)
+    except VoronecError:
+        expr = motions.equations.bridge.inward(read)
+    if expr.free_symbols <= {*own.values()}:
+        return name, expr
+    raise DefinitionError(
+        f"{place} is no function of the variables of steady motions; name some of "
+        f"{', '.join(known)}, or a formula in them"
+    )
+
+
+def require_values(equations: SteadyEquations) -> None:
+    """``DefinitionError`` where a parameter or input has no value."""
+    system = equations.system
+    for p in (*equations.rates.parameters, *equations.rates.inputs):
+        if p not in equations.unknowns and equations.values.get(str(p)) is None:
+            raise DefinitionError(
+                f"system '{system.name}': '{p}' has no value; give parameters={{'{p}': number}}, "
+                f"or find it: free=('{p}',)"
+            )
