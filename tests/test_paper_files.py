@@ -166,7 +166,7 @@ def test_the_command_tells_right_from_wrong(tmp_path, call):
     assert data["counts"]["misprint"] == 3
 
 
-SPEEDS = r"Here $\dot v=a\omega^2$, $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. "
+SPEEDS = r"Here $$\dot v=a\omega^2,\eqno(9)$$ $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. "
 
 
 @pytest.mark.parametrize(
@@ -189,9 +189,14 @@ SPEEDS = r"Here $\dot v=a\omega^2$, $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. "
         (r"The rate of the speed $\dot v$ equals $2a\omega^2$.", "misprint"),
         (r"In the limit $a\to0$ the rate $\dot v$ tends to $0$.", "proved"),
         (r"In the limit $J\to0$ the rate $\dot v$ tends to $0$.", "unaudited"),
+        (r"The rate of the speed $\dot v$ coincides with (9).", "proved"),
         (r"The system has two degrees of freedom.", "proved"),
         (r"The system has three degrees of freedom.", "proved"),
         (r"The system has six degrees of freedom.", "unaudited"),
+        (r"The energy $v^2+\omega^2$ equals $4$.", "unaudited"),
+        (r"The rate $\dot v$ becomes $2a\omega^2$.", "unaudited"),
+        (r"It was wrongly said that $mv^2+(J+ma^2)\omega^2$ is constant.", "unaudited"),
+        (r"The quantity $v^2+\omega^2$ is conserved by the scheme.", "unaudited"),
         (r"The constraint is nonholonomic.", "proved"),
         (r"The constraint is not integrable.", "proved"),
         (r"The plane is touched; this constraint is holonomic.", "unaudited"),

@@ -3,7 +3,8 @@ r"""What a sentence claims in words, by a few exact patterns; all other sentence
 "A is a first integral", "A and B are constant" and "A equals B" become formulas, which are judged
 as those in print.  The number of degrees of freedom, "the constraints are nonholonomic" and an
 invariant measure with its density are decided for the system.  A sentence is accused only where it
-says nothing else: no negation, no second formula, no word behind its claim but of the motion.
+says nothing else: no negation, no second formula, no word behind its claim but of the motion; a
+number of degrees of freedom and a density never are.
 """
 
 from __future__ import annotations
@@ -31,16 +32,20 @@ _CONSTANT = re.compile(
     re.IGNORECASE,
 )
 _EQUAL = re.compile(
-    rf"{_LIST} (?:equals|is equal to|coincides with|becomes|tends to|reduces to) "
+    rf"{_LIST} (?:(?P<always>equals|is equal to|coincides with)|becomes|tends to|reduces to) "
     r"(?:the right(?:-hand)? side of )?(?:\$(?P<value>\d+)\$|\((?P<label>[^()\s]+)\))"
 )
-_FREEDOM = re.compile(r"(?P<head>.*)\bhas (?P<count>\w+) degrees? of freedom\b")
+_FREEDOM = re.compile(r"\bhas (?P<count>\w+) degrees? of freedom\b")
 _BOUND = re.compile(
-    r"\bconstraints?(?: (?P<label>\([^()\s]+\)))? (?:is|are) (?P<no>not )?"
+    r"(?<!both )(?<!all )\bconstraint(?P<plural>s)?(?: \([^()\s]+\))? (?:is|are) (?P<no>not )?"
     r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b"
 )
 _MEASURE = re.compile(r"\bmeasure\b[^$]* with (?:the )?density (?:\w+ )?\$(?P<density>\d+)\$")
-_NEGATION = re.compile(r"\b(?:not?|neither|nor|never|only|cannot|nothing|hardly|false)\b", re.I)
+_NEGATION = re.compile(
+    r"\b(?:not?|neither|nor|never|only|cannot|nothing|hardly|false|\w*wrong\w*"
+    r"|erroneous\w*|incorrect\w*)\b",
+    re.IGNORECASE,
+)
 _ALONG = re.compile(
     r"(?: (?:along|of|for|during|on) (?:the |these |every |each |all )?(?:whole |reduced )?"
     r"(?:motions?|solutions?|trajector(?:y|ies)|systems?|equations|problem|flow|constraints?))*\W*"
@@ -84,15 +89,14 @@ def claims_in_words(
     words = sentence.words
     if (match := _BOUND.search(words)) is not None:
         positive = bool(match["no"]) == match["kind"].startswith("non")
-        return [WordClaim(True, decide=lambda equations: _integrable(equations, positive))]
+        several = bool(match["plural"])
+        return [WordClaim(True, decide=lambda equations: _integrable(equations, positive, several))]
     if _NEGATION.search(words):
         return []
     if (match := _FREEDOM.search(words)) is not None:
         count = match["count"].lower()
         number = _COUNTS.index(count) if count in _COUNTS else count
-        plain = re.fullmatch(r"(?:\w+, )?the (?:nonholonomic )?system ", match["head"], re.I)
-        alone = plain is not None and not words[match.end() :].strip(" .")
-        return [WordClaim(alone, decide=lambda equations: _freedom(equations, str(number)))]
+        return [WordClaim(False, decide=lambda equations: _freedom(equations, str(number)))]
     if (match := _MEASURE.search(words)) is not None:
         density = value_of(last_side(sentence.formulas[int(match["density"])]))
         return [WordClaim(False, decide=lambda equations: _measure(equations, density))]
@@ -102,7 +106,8 @@ def claims_in_words(
         subjects = [sentence.formulas[int(i)] for i in re.findall(r"\d+", match["all"])]
         head, tail = words[: match.start()], words[match.end() :]
         value = CONSTANT_WORD if constant else _value(match, sentence.formulas, side_of)
-        alone = all((_SUBJECT.fullmatch(head), _ALONG.fullmatch(tail)))
+        says = constant or (match["always"] and not re.fullmatch(r"[\d./-]+", value))
+        alone = bool(says and _SUBJECT.fullmatch(head) and _ALONG.fullmatch(tail))
         before, after = sentence.with_formulas(head), sentence.with_formulas(tail)
         return [
             WordClaim(alone, before, after, f"${subject}={value}$")
@@ -125,25 +130,19 @@ def last_side(formula: str) -> str:
 
 
 def _freedom(equations: VoronecEquations, stated: str) -> tuple[str, str]:
-    """A number of degrees of freedom is that of the velocities or that of the coordinates.
-
-    One between these is refuted; a larger one may count coordinates that the system does not have,
-    a smaller one may be that of a reduced system.
-    """
+    """A number of degrees of freedom is that of the velocities or that of the coordinates; another
+    may be that of a reduced system, or count coordinates that the system has not."""
     free, places = len(equations.velocities), len(equations.coordinates)
-    counts = f"{free} independent velocities, {places} coordinates"
-    if stated in (str(free), str(places)):
-        return "proved", counts
-    between = stated.isdigit() and free < int(stated) < places
-    return ("misprint" if between else "unaudited"), f"the system has {counts}"
+    said = stated in (str(free), str(places))
+    return "proved" if said else "unaudited", f"{free} independent velocities, {places} coordinates"
 
 
-def _integrable(equations: VoronecEquations, stated: bool) -> tuple[str, str]:
-    """Whether the constraints are integrable, all of them together."""
+def _integrable(equations: VoronecEquations, stated: bool, several: bool) -> tuple[str, str]:
+    """Whether the constraints are integrable, all of them together; one of several is not told."""
+    if not several and len(equations.system.constraints) != 1:
+        return "unaudited", "the system has several constraints, or none"
     if (equations.kind == "holonomic") == stated:
-        return "proved", "the curvature of the constraints " + (
-            "vanishes" if stated else "does not"
-        )
+        return "proved", f"the curvature of the constraints {'vanishes' if stated else 'does not'}"
     if stated:
         return "unaudited", "the curvature of the system's constraints does not vanish; others do"
     return "misprint", "the curvature of the constraints vanishes"

@@ -1,7 +1,7 @@
 r"""The transcription of the paper on Demchenko's dissertation.
 
-Every module holds one section: its displays, copied letter for letter, mistakes included, and how
-each is checked; the package ``dictionary`` says what the names stand for in derived systems.
+Every module holds one section, and a file of LaTeX beside it its displays, copied letter for letter,
+mistakes included, with the names of what checks each; the package ``dictionary`` says what the names stand for in derived systems.
 Nothing else of the audit is typed in.
 """
 

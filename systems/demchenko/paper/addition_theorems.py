@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from voronec.audit import Check, Display, Section, Study, Transcript
+from voronec.audit import Check, Section, Study, Transcript
 
 from ..sentences.inversion import ADDITION as SENTENCES
+from ..transcription import displays
 
 
 def law(study: str, printed: str, value: str) -> Check:
@@ -33,35 +34,5 @@ ADDITION_THEOREMS = Section(
     label=None,
     studies=studies,
     sentences=SENTENCES,
-    displays=(
-        Display(
-            r"""\begin{equation}\label{eq:addition1}
-\wp(u+\zeta)+\wp(u)+\wp(\zeta)
- =
-\frac14
- \left(
-\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}
- \right)^2.
-\end{equation}""",
-            (AT_THE_SUM,),
-        ),
-        Display(
-            r"""\begin{equation}\label{eq:addition2}
-\wp'(\zeta)\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}=\wp''(\zeta)-2(\wp(u)-\wp(\zeta))(\wp(u+\zeta)-\wp(\zeta))
-\end{equation}""",
-            (AT_THE_SUM,),
-        ),
-        Display(
-            r"""$$
-\wp(u)-\wp(v)=-\frac{\sigma(u-v)\sigma(u+v)}{\sigma(u)^2\sigma(v)^2},
-$$""",
-            (OF_SIGMA,),
-        ),
-        Display(
-            r"""$$
-\frac {\wp'(u)}{\wp(u)-\wp(v)}=\zeta(u-v)+\zeta(u+v)-2\zeta(u).
-$$""",
-            (OF_ZETA,),
-        ),
-    ),
+    displays=displays(__file__, globals()),
 )

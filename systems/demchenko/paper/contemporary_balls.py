@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from voronec.audit import Check, Display, Study
+from voronec.audit import Check, Study
+
+from ..transcription import displays
 
 DEFINITION = Check("definition", study="outer")
 EVERYWHERE = Check(study="outer", also=("inner", "plane"))
@@ -44,96 +46,13 @@ def integral_checks(check: Check, *names: str) -> tuple[Check, ...]:
     return tuple(integral(name, check) for name in names)
 
 
-DISPLAYS = (
-    Display(
-        r"""\begin{equation}\label{Epsilon}
-\epsilon=\frac{R_1}{R_1\pm R_2},
-\end{equation}""",
-        (Check(study="outer", also=("inner",)),),
-    ),
-    Display(
-        r"""\begin{equation}
-\dot{\mathbf G}={\mathbf G}\times\omega,
-\qquad \dot{\gamma}=\epsilon
-\gamma\times\omega, \label{Chap}\end{equation}""",
-        (EVERYWHERE,),
-    ),
-    Display(
-        r"""\begin{equation}
-\mu(\gamma)=\sqrt{(\gamma-D\mathbf I^{-1}\gamma,\gamma)}, \label{mu-ch}
-\end{equation}""",
-        (EVERYWHERE,),
-    ),
-    Display(
-        r"""\begin{equation}
-F_1=(\gamma,\gamma)=1, \quad F_2=\frac12({\mathbf
-G},\omega), \quad F_3=({\mathbf G},{\mathbf G}).
- \label{cl:int}
-\end{equation}""",
-        integral_checks(EVERYWHERE, "F_1", "F_2", "F_3"),
-    ),
-    Display(
-        r"""\[
-\tilde F_4=(I_2+I_3-I_1+D)\mathbf
-G_1\gamma_1+(I_3+I_1-I_2+D)\mathbf
-G_2\gamma_2+(I_1+I_2-I_3+D)\mathbf G_3\gamma_3.
-\]""",
-        integral_checks(Check(study="double shell"), r"\tilde F_4"),
-    ),
-    Display(
-        r"""\begin{equation}\label{e3a}
-\dot{\mathbf G}=\mathbf G\times \omega+\lambda \gamma, \qquad
-\dot{\gamma}=\epsilon \gamma\times\omega, \qquad (\omega,\gamma)=0,
-\end{equation}""",
-        (RUBBER, RUBBER, NO_TWIST),
-    ),
-    Display(
-        r"""\begin{equation}
-\dot{\mathbf G}=({\mathbf G}+\kappa)\times\omega,
-\qquad \dot{\gamma}=\epsilon
-\gamma\times\omega. \label{Chap*}\end{equation}""",
-        (GYROSCOPE,),
-    ),
-    Display(
-        r"""\begin{equation}
-F_1=(\gamma,\gamma)=1, \quad F_2=\frac12({\mathbf
-G},\omega), \quad F_3=({\mathbf G}+\kappa,{\mathbf G}+\kappa), \quad F_4=({\mathbf
-G}+\kappa,\gamma)
- \label{cl:int*}
-\end{equation}""",
-        (*integral_checks(GYROSCOPE, "F_1", "F_2", "F_3"), integral("F_4", MARKEEV)),
-    ),
-)
+INTEGRAL_ROWS = integral_checks(EVERYWHERE, "F_1", "F_2", "F_3")
+SHELL_INTEGRAL = integral_checks(Check(study="double shell"), r"\tilde F_4")
+GYROSCOPE_INTEGRALS = (*integral_checks(GYROSCOPE, "F_1", "F_2", "F_3"), integral("F_4", MARKEEV))
+MOMENT_MATRIX = (replace(DEFINITION, source="the moments of inertia that the Lagrangian has"),)
+UNIT_MATRIX = (replace(DEFINITION, source="the unit matrix"),)
+PLANE_INTEGRAL = integral_checks(Check(study="plane"), "F_4")
 
-INLINE = (
-    Display(
-        r"$\mathbb I=\diag(I_1,I_2,I_3)$",
-        (replace(DEFINITION, source="the moments of inertia that the Lagrangian has"),),
-    ),
-    Display(r"$D=\mathbf M R_2^2$", (DEFINITION,)),
-    Display(
-        r"""${\mathbf G}=\mathbb I \omega+ D\omega-D (\omega,\gamma)\gamma=\mathbf I\omega-D (\omega,\gamma)\gamma$""",
-        (EVERYWHERE,),
-    ),
-    Display(r"$\mathbf I=\mathbb I+D\mathbb E$", (DEFINITION,)),
-    Display(r"$\mathbb E=\diag(1,1,1)$", (replace(DEFINITION, source="the unit matrix"),)),
-    Display(
-        r"""$F_4=({\mathbf
-G},\gamma)$""",
-        integral_checks(Check(study="plane"), "F_4"),
-    ),
-    Display(r"$\mathbf G=\mathbb I\omega+D\omega=\mathbf I\omega$", (RUBBER,)),
-    Display(
-        r"""$
-\lambda=-(\mathbf G,\mathbf I^{-1}(\mathbf G\times \omega))/(\gamma,\mathbf
-I^{-1}\gamma)
-$""",
-        (RUBBER,),
-    ),
-    Display(
-        r"""$
-\mu_\epsilon(\gamma)=(\mathbf I^{-1}\gamma,\gamma)^\frac{1}{2\epsilon}
-$""",
-        (RUBBER,),
-    ),
-)
+DISPLAYS = displays(__file__, globals())
+
+INLINE = displays(__file__, globals(), "inline")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from voronec.audit import Check, Convention, Display, Section, Study, Transcript
+from voronec.audit import Check, Convention, Section, Study, Transcript
 
 from ..sentences.inversion import INVERSION as SENTENCES
+from ..transcription import displays
 
 
 def beside(
@@ -58,99 +59,22 @@ BRANCH = Convention(
 )
 
 
+SQUARE_ROWS = (
+    beside(
+        QUARTIC,
+        role="definition",
+        # a bracket, too, is not closed in print
+        proposal=r"Y=(y^2-3\wp(\zeta))^2+2(2y\wp'(\zeta)-\wp''(\zeta))",
+    ),
+)
+QUARTIC_ROW = (beside(QUARTIC),)
+
 INVERSION = Section(
     title="Inversion of elliptic integrals",
     complete=True,
     label=None,
     studies=studies,
-    inline=(
-        Display(r"$x=y+h$", (Check("definition", study="x"),)),
-        Display(r"$x=y-a_1/a_0$", (OF_X,)),
-    ),
+    inline=displays(__file__, globals(), "inline"),
     sentences=SENTENCES,
-    displays=(
-        Display(
-            r"""$$
-2y = \frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}.
-$$""",
-            (FRACTION,),
-        ),
-        Display(
-            r"""$$
-y^2-3\wp(\zeta)=(\wp(u)-\wp(\zeta))+(\wp(u+\zeta)-\wp(\zeta)),
-$$""",
-            (SUM,),
-        ),
-        Display(
-            r"""$$
-\wp''(\zeta)-2y\wp'(\zeta)=2(\wp(u)-\wp(\zeta))(\wp(u+\zeta)-\wp(\zeta)).
-$$"""
-        ),
-        Display(
-            r"""$$
-Y=(y-3\wp(\zeta))^2+2(2y\wp'(\zeta)-\wp''(\zeta).
-$$""",
-            (
-                beside(
-                    QUARTIC,
-                    role="definition",
-                    # a bracket, too, is not closed in print
-                    proposal=r"Y=(y^2-3\wp(\zeta))^2+2(2y\wp'(\zeta)-\wp''(\zeta))",
-                ),
-            ),
-        ),
-        Display(
-            r"""$$
-Y=(\wp(u+\zeta)-\wp(u))^2.
-$$"""
-        ),
-        Display(
-            r"""$$
-\sqrt{Y}=\wp(u+\zeta)-\wp(u),
-$$""",
-            (Check(convention=BRANCH),),
-        ),
-        Display(
-            r"""$$
-Y= y^4-6y^2\wp(\zeta)+4y\wp'(\zeta)+9\wp(\zeta)-2\wp''(\zeta).
-$$""",
-            (beside(QUARTIC),),
-        ),
-        Display(
-            r"""$$
-X(x)=a_0x^4+4a_1x^3+6a_2x^2+4a_3x+a_4.
-$$""",
-            (POLYNOMIAL,),
-        ),
-        Display(
-            r"""$$
-\wp(\zeta)=\frac{{a_1}^2-a_0a_2}{{a_0}^2}, \quad \wp'(\zeta)=\frac{{a_0}^2a_3-3a_0a_1a_2+2a_1^3}{a_0^3}
-$$""",
-            AT_C,
-        ),
-        Display(
-            r"""$$
-x=-\frac{a_1}{a_0}+\frac{1}{2}\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)}, \quad \sqrt{X}=\sqrt{a_0}(-\wp(u+\zeta)+\wp(u)).
-$$""",
-            (OF_X,),
-        ),
-        Display(
-            r"""$$
--\wp(u+\zeta)+\wp(u)=\frac{1}{2}\frac{d}{du}
-\frac{\wp'(u)-\wp'(\zeta)}{\wp(u)-\wp(\zeta)},
-$$"""
-        ),
-        Display(
-            r"""$$
-\sqrt{X}=\sqrt{a_0}\frac{dx}{du}.
-$$""",
-            (OF_X,),
-        ),
-        Display(
-            r"""$$
-\frac{u}{\sqrt{a_0}}=\int\frac {dx}{\sqrt X}.
-$$""",
-            (OF_X,),
-        ),
-    ),
+    displays=displays(__file__, globals()),
 )

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from voronec.audit import Check, Convention, Display, Section, Study, Transcript
+from voronec.audit import Check, Convention, Section, Study, Transcript
 
-from ..dictionary.kinds_of_motion import by_state, forms, in_seconds
+from ..dictionary.kinds_of_motion import (
+    by_state,  # noqa: F401  (named in the print)
+    forms,
+    in_seconds,
+)
 from ..dictionary.quadratures import level, x
 from ..sentences.quadratures import SENTENCES
+from ..transcription import displays
 
 DEFINITION = Check("definition")
 BALL_TRACE = Check(study="level", derived=lambda study, where: forms(r"\phi(x)"))
@@ -42,89 +47,7 @@ QUADRATURES = Section(
     complete=True,
     label=None,
     studies=studies,
-    inline=(
-        Display(r"$x=\cos u$", (DEFINITION,)),
-        Display(r"$C_5=k\mu x_0$", (DEFINITION,)),
-        Display(r"$\mu>1$"),
-    ),
+    inline=displays(__file__, globals(), "inline"),
     sentences=SENTENCES,
-    displays=(
-        Display(
-            r"""\begin{equation}\label{eq:elliptic1}
-\big(\frac{dx}{dt}\big)^2=X(x),
-\end{equation}""",
-            (RATE,),
-        ),
-        Display(
-            r"""\begin{equation}\label{4.4.4}
-An=-k\mu x +C_5=-k\mu(x-x_0),
-\end{equation}"""
-        ),
-        Display(
-            r"""\begin{equation}\label{eq:areaintegral}
-P^2(s^2+\tau^2)+A^2n^2 + k^2-2k(Ps\sin u -A n\cos u)=\Gamma^2,
-\end{equation}"""
-        ),
-        Display(
-            r"""\begin{equation}\label{eq:kinetic}
-P(s^2+\tau^2)+An^2=2h.
-\end{equation}"""
-        ),
-        Display(
-            r"""\begin{equation}\label{4.4.7}
-b_2s\sin u = k\mu (-b_0x^2+2b_1x_0x-\bar \Gamma),
-\end{equation}"""
-        ),
-        Display(
-            r"""$$
-b_0=I\mu+2A, \, b_1=I\mu +A, \, b_2=2PA,
-$$""",
-            (DEFINITION,),
-        ),
-        Display(
-            r"""$$
-\bar \Gamma =\frac{IC_5^2+A(\Gamma^2-k^2)-2hPA}{\mu k^2},
-$$""",
-            (DEFINITION,),
-        ),
-        Display(
-            r"""$$
-b_0>b_1>P=A+1,
-$$"""
-        ),
-        Display(
-            r"""$$
-b_2^2\tau^2=-2b_2A^2n^2+2b_2Ah-b_2^2s^2.
-$$"""
-        ),
-        Display(
-            r"""\begin{equation}\label{4.4.12}
-b_2^2\tau^2\sin^2 u=\mu^2k^2X,
-\end{equation}"""
-        ),
-        Display(
-            r"""\begin{equation}\label{4.4.13}
-X=2b_2(h'-x+x_0)(h'+x-x_0)(1-x^2)-(-b_0x^2+2b_1x_0x-\bar \Gamma)^2,
-\end{equation}""",
-            (Check(derived=by_state),),
-        ),
-        Display(
-            r"""$$
-h'=\frac{\sqrt{2hA}}{\mu k}.
-$$""",
-            (DEFINITION,),
-        ),
-        Display(
-            r"""\begin{equation}\label{eq:elliptic2}
-dv = \frac{\phi(x)dx}{(1-x^2)\sqrt{X}}, \quad dv_1 = \frac{F(x)dx}{\theta(x)\sqrt{X}},
-\end{equation}""",
-            (BALL_TRACE, SPHERE_TRACE),
-        ),
-        Display(
-            r"""$$
-X(x)=(1-x^2)\psi(x)-\phi(x)^2=a_0(x-x^I)(x-x^{II})(x-x^{III})(x-x^{IV}),
-$$""",
-            (Check(study="product", also=("roots",)),),
-        ),
-    ),
+    displays=displays(__file__, globals()),
 )

@@ -7,10 +7,11 @@ from dataclasses import replace
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Reference, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.ball import A1, A2, C1, C2, VERTICAL, chi, theta, u
+from ..transcription import sentences
 from .claims import (
     AXES,
     agreement,
@@ -182,83 +183,4 @@ FRAMES = "true of the frames of ball and rotor, whatever their motion"
 ENERGIES = "the momentum and the energy of ball and rotor"
 LITERATURE = "a statement on the quadratures of others, which are not derived here"
 
-SENTENCES = (
-    Sentence(
-        r"There are two cases where these quadratures are elliptic.",
-        unaudited=LITERATURE,
-    ),
-    Sentence(
-        r"\emph{the moment of the @one:word{ball} with  respect to the axis of the gyroscope is "
-        "@relation:relation{equal} to the sum of the moments of the system "
-        "@system:word{ball + gyroscope} with respect to the axes @sort:word{orthogonal} to the "
-        "axis of the gyroscope}.",
-        zhukovsky,
-        source=ENERGIES,
-    ),
-    Sentence(
-        "The @sort:word{complements} of a latitude and a longitude of the contact point $M$ are "
-        "chosen for Gauss coordinates $u,v$ on the moving ball",
-        colatitude,
-        source=FRAMES,
-    ),
-    Sentence(
-        r"The angle $\vartheta$ is as before the angle between @first:names{$u$} and "
-        "@second:names{$v_1$} coordinate lines.",
-        same_angle,
-        source=FRAMES,
-    ),
-    Sentence(
-        "Now, the nonholonomic constraints "
-        r"@constraints:reference{\eqref{eq:nosliding2}} read",
-        constraints_of,
-        "spheres",
-    ),
-    Sentence(
-        r"After substitution of the constraints @constraints:reference{\eqref{4.2.2}} into "
-        r"@forms:reference{\eqref{eq:n}}, the expressions for @letters:names{$s$ and $\tau$} are "
-        "simplified:",
-        simplification,
-        "spheres",
-    ),
-    Sentence(
-        r"from the Zhukovsky condition @condition:reference{\eqref{uslovZh}}, the kinetic energy "
-        r"of the system expressed as a function of @letters:names{$s,\tau,n$} takes the form",
-        by_condition,
-        "zhukovsky",
-        source=ENERGIES,
-    ),
-    Sentence(
-        r"Since in the considered system @first:formula{$[\mathfrak v, \mathfrak M]=0$} and "
-        r"@second:formula{$\mathbf L^{(M)}=0$}, one concludes that the total angular momentum is "
-        r"@sort:word{constant} in the fixed reference frame",
-        conservation,
-        "spheres",
-    ),
-    Sentence(
-        "Since torque of reaction of constrains for gyroscope axis is also @much:number{zero}, one "
-        "concludes",
-        idle_axis,
-        source="the constraints of ball and rotor, which have no rate of the rotor",
-    ),
-    Sentence(
-        r"The cosines @letters:names{$\alpha_1'',\beta_1'',\gamma_1''$}  of the angles between "
-        r"@axis:names{$\mathbf z_1$} and @axes:names{$\mathbf u,\mathbf v,\mathbf n$} in the "
-        "Neumann variables are",
-        cosines,
-        source=FRAMES,
-    ),
-    Sentence(
-        r"by derivation of @momentum:reference{\eqref{integrali}} and the kinetic energy integral "
-        r"@energy:reference{\eqref{kinMod*}}.",
-        by_integrals,
-        "zhukovsky",
-    ),
-    Sentence(
-        "the problem reduces to the problem of solving the system of the @count:number{eight} "
-        r"equations @dynamics:reference{\eqref{4.3.131415}}, "
-        r"@kinematics:reference{\eqref{4.2.789}}, and @constraints:reference{\eqref{4.2.2}} in the "
-        r"variables @letters:names{$u, v, \vartheta, u_1, v_1, s, \tau, n$}.",
-        eight,
-        "reduced",
-    ),
-)
+SENTENCES = sentences(__file__, globals())

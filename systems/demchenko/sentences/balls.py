@@ -30,6 +30,7 @@ from ..dictionary.chaplygin_balls import (
 )
 from ..dictionary.gyroscopic_balls import is_demchenkos, on_the_plane, rotor_is_kappa
 from ..dictionary.rubber_balls import is_veselovas
+from ..transcription import sentences
 from .claims import agreement, all_of, both_sides, constant, denial, equals, holds, values
 
 INTEGRALS = ("F_1", "F_2", "F_3", "F_4")
@@ -345,118 +346,21 @@ QUOTATION = "a result of others that is quoted, and not derived here"
 RADII = "the radii of the two spheres, and the side on which they touch"
 RUBBER = "the equations derived for the system 'rubber-ball'"
 
+
+def latex_of_density(study: Study) -> str:
+    """What was derived instead."""
+    return study.context.wider_density()
+
+
+def latex_of_surface(_: Study) -> str:
+    """What was derived instead."""
+    return r"\text{over the sphere}"
+
+
+TEXT = sentences(__file__, globals())
+
 SENTENCES = (
-    Sentence(
-        "There are @count:number{three} possible configurations:",
-        configurations,
-        "outer",
-        source=RADII,
-    ),
-    Sentence(
-        "On the other hand, the rolling without slipping of the Chaplygin ball over a sphere "
-        "generically is not integrable.",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        r"(@case:word{ii}) rolling of $\mathrm B$ over @surface:word{inner} surface of $\mathrm S$ "
-        "(@condition:formula{$R_1>R_2$});",
-        configuration,
-        "outer",
-        source=RADII,
-    ),
-    Sentence(
-        r"(@case:word{iii}) rolling of $\mathrm B$ over @surface:word{outer} surface of $\mathrm S$, but "
-        r"$\mathrm S$ is within $\mathrm B$ (@condition:formula{$R_1<R_2$},",
-        configuration,
-        "outer",
-        source=RADII,
-    ),
-    Sentence(
-        'where we take "@plus:formula{$+$}" for the case (@first:word{i}) and '
-        '"@minus:formula{$-$}" in the cases (@second:word{ii}) and (@third:word{iii})',
-        signs,
-        "outer",
-    ),
-    Sentence(
-        "is the angular momentum of the ball with respect to the point of @point:word{contact}",
-        about,
-        "outer",
-    ),
-    Sentence(
-        r"When $R_1$ tends to @limit:word{infinity}, $\epsilon$ tends to @to:number{1}, $\gamma$ "
-        "tends to the unit vector that is @sort:word{constant} in the fixed reference frame.",
-        flat_limit,
-        "plane",
-    ),
-    Sentence(
-        "the equations of motion of the Chaplygin ball rolling over the plane "
-        r"@how:word{orthogonal} to $\gamma$.",
-        flat,
-        "plane",
-        source="the rotation of the ball, and the plane's own directions",
-    ),
-    Sentence(
-        r"In the space @dimension:formula{$\mathbb R^6({\omega},\gamma)$} the system has an "
-        "@sort:word{invariant} measure with the density",
-        density_space,
-        "spheres",
-        derived=lambda study: study.context.wider_density(),
-    ),
-    Sentence(
-        r"Also, the system @system:reference{\eqref{Chap}} @how:word{always} has "
-        "@count:number{three} integrals",
-        always_integrals,
-        "spheres",
-    ),
-    Sentence(
-        r"For @epsilon:formula{$\epsilon=1$}, there is a @which:number{fourth} first integral "
-        "@integral:formula{$F_4=({\\mathbf\nG},\\gamma)$}.",
-        fourth,
-        "plane",
-    ),
-    Sentence(
-        "The problem is integrable by the @theorem:word{Euler-Jacobi} theorem",
-        euler_jacobi,
-        "plane",
-    ),
-    Sentence(
-        "the phase space is almost everywhere foliated by @dimension:word{two-dimensional} "
-        "invariant tori with quasi-periodic, non-uniform motion",
-        tori,
-        "plane",
-    ),
-    Sentence(
-        "Borisov and Mamaev proved that the system \\eqref{Chap} is Hamiltonizable with respect to "
-        r"a certain nonlinear Poisson bracket on $\mathbb R^6$",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        r"Remarkably, for @epsilon:formula{$\epsilon=-1$} (the case @case:word{(iii)} with "
-        "@radii:formula{$R_2=2R_1$}) Borisov and Fedorov (see \\cite{BF}) found an integrable case "
-        "with the following fourth first integral",
-        double_shell,
-        "double shell",
-    ),
-    Sentence(
-        "The system is integrated on an @sort:word{invariant} hypersurface "
-        r"@surface:formula{$\tilde F_4^{-1}(0)$}",
-        hypersurface,
-        "double shell",
-    ),
-    Sentence(
-        r"One can consider the additional nonholonomic constraint "
-        r"@constraint:formula{$(\omega,\gamma)=0$} describing \emph{no-twisting} condition",
-        no_twist,
-        "rubber",
-        source=RUBBER,
-    ),
-    Sentence(
-        "is determined by @how:word{differentiation} of the constraint "
-        r"@constraint:formula{$(\omega,\gamma)=0$}.",
-        multiplier,
-        "rubber",
-        source=RUBBER,
-    ),
+    *TEXT[:18],
     *(
         Sentence(
             r"""The system has an @sort:word{invariant} measure with the density
@@ -468,81 +372,5 @@ $}""",
         )
         for name in ("rubber", "rubber inside")
     ),
-    Sentence(
-        r"Note that for @epsilon:formula{$\epsilon=1$}, the above equations coincide with the "
-        "equations of nonholonomic rigid body motion studied by Veselov and Veselova",
-        veselova,
-        "rubber on a plane",
-        source="the equations derived for the systems 'rubber-ball' and 'veselova'",
-    ),
-    Sentence(
-        r"Borisov and Mamaev  proved the integrability for $\epsilon=-1$",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        r"The problem is Hamiltonizable for all $\epsilon$",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        "phase space is foliated on invariant tori, such that the foliation is isomorphic to the "
-        "foliation of the integrable Euler case of the rigid body motion about a fixed point, but "
-        "the system itself has not analytic invariant measure and is not Hamiltonizable.",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        "Markeev proved that the addition of a gyroscope to the Chaplygin ball problem of rolling "
-        "of dynamically @sort:word{non-symmetric} ball without slipping over a "
-        "@surface:word{plane} remains @how:word{integrable}",
-        remains,
-        "outer with gyroscope",
-    ),
-    Sentence(
-        "the addition of a gyroscope is equivalent to the addition of a @sort:word{constant} "
-        r"angular momentum $\kappa$, directed as the @axis:word{axis} of the gyroscope, to "
-        r"@vector:names{$\mathbf G$}",
-        gyroscope,
-        "outer with gyroscope",
-        source="the equations derived for the systems 'ball-with-rotor' and 'ball'",
-    ),
-    Sentence(
-        r"""we can write the equations of the Chaplygin ball with the gyroscope rolling without slipping over the@surface:word{}
-@equations:formula{\begin{equation}
-\dot{\mathbf G}=({\mathbf G}+\kappa)\times\omega,
-\qquad \dot{\gamma}=\epsilon
-\gamma\times\omega. \label{Chap*}\end{equation}}""",
-        over_what,
-        "outer with gyroscope",
-        derived=lambda _: r"\text{over the sphere}",
-    ),
-    Sentence(
-        r"When @epsilon:formula{$\epsilon=1$} we have the Markeev integrable case "
-        r"\cite{Markeev1985}. The system has an invariant measure with the @same:word{same} density "
-        r"\eqref{mu-ch} and @count:number{four} first integrals",
-        markeev,
-        "plane with gyroscope",
-    ),
-    Sentence(
-        r"The functions @functions:names{$F_1$, $F_2$, and $F_3$} are integrals for "
-        r"@how:quantifier{all} $\epsilon$.",
-        for_all,
-        "spheres with gyroscope",
-    ),
-    Sentence(
-        "When the ball is dynamically symmetric with the gyroscope directed along the axis of the "
-        r"symmetry, it is the Bobylev--Zhukovsky case for @first:formula{$\epsilon=1$}  "
-        r"\cite{Bob1892, Zhuk1893}, while when @second:formula{$\epsilon\ne 1$} and the Zhukovsky "
-        r"condition @condition:reference{\eqref{uslovZh}} on the moments of inertia of the ball and "
-        "the gyroscope are satisfied, we obtain the Demchenko integrable case.",
-        demchenkos,
-        "spheres with gyroscope",
-    ),
-    Sentence(
-        "The problem reduces to a linear differential equation of second order.",
-        unaudited=QUOTATION,
-    ),
-    Sentence(
-        "In a special case when body is a sphere, the motion of the contact point is determined by "
-        "quadratures.",
-        unaudited=QUOTATION,
-    ),
+    *TEXT[18:],
 )

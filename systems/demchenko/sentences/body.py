@@ -5,18 +5,19 @@ from __future__ import annotations
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Range, Reference, Sentence, Study, one_of
+from voronec.audit import Range, Reference, Study, one_of
 from voronec.audit.latex.nodes import Name, Variation, walk
 
 from ..dictionary.body import DOTS, U
 from ..dictionary.surfaces import COORDINATES, FIBRE, QUASI, theta, typeset, vector, velocities
+from ..transcription import sentences
 from .claims import (
     agreement,
     all_of,
     constraint_verdict,
     denial,
     equals,
-    relative_curvature,
+    relative_curvature,  # noqa: F401  (named in the print)
     residuals,
     value,
 )
@@ -194,71 +195,4 @@ def eight(
     )
 
 
-SENTENCES = (
-    Sentence(
-        "The nonholonomic constraints are given by "
-        r"@constraints:reference{\eqref{eq:nosliding2}}. One can choose "
-        r"@first:names{$\dot u_1$} and @second:names{$\dot v_1$} as a dependent velocities.",
-        dependent,
-        derived=determinant,
-    ),
-    Sentence(
-        r"the constraints @constraints:reference{\eqref{eq:nosliding2}} are imposed "
-        "@when:word{after} the taking of partial derivatives.",
-        restricted_when,
-    ),
-    Sentence(
-        r"From now on, $\Theta$ denotes the kinetic energy \eqref{kineticka*} as a function of "
-        r"angular velocities @letters:names{$s, \tau, n$} taking into account the constraints",
-        of_angular,
-        "quasi",
-        source=KINETIC,
-    ),
-    Sentence(
-        r"after imposing the constraints @constraints:reference{\eqref{eq:nosliding2}}.",
-        bar_energy,
-    ),
-    Sentence(
-        r"Here @letters:names{$\rho_u, \rho_v,\epsilon$} are the coordinates of  "
-        r"$\overrightarrow{OM}$ in the coordinate system $M\mathbf u\mathbf v\mathbf n$.",
-        arm,
-    ),
-    Sentence(
-        r"In these expressions, @letters:names{$s, \tau, n$} should be expressed as functions of "
-        r"@dots:names{$\dot u, \dot v, \dot \vartheta$} by using "
-        r"@kinematics:reference{\eqref{eq:n}} and the constraints "
-        r"@constraints:reference{\eqref{eq:nosliding2}}.",
-        as_functions,
-    ),
-    Sentence(
-        r"the coefficients in @principle:reference{\eqref{v5}} of terms that contain "
-        "@momenta:names{$K_1$ and $K_2$} have the form",
-        terms_with,
-        source=FORMULA_ELSEWHERE,
-    ),
-    Sentence(
-        r"the Voronec principle @principle:reference{\eqref{v5}} can be written in the form",
-        in_principle,
-        source=FORMULA_ELSEWHERE,
-    ),
-    Sentence(
-        r"Here $U(u,v,\vartheta, u_1,v_1)$ is a \emph{force function} (@sign:word{negative} "
-        "potential energy).",
-        force_function,
-    ),
-    Sentence(
-        r"By using the expression for $n'$,  @displacements:reference{\eqref{varijacije}}, and "
-        "setting the terms that contain independent variations "
-        r"@variations:names{$\delta u, \delta v, \delta \vartheta$} to zero,",
-        independent,
-    ),
-    Sentence(
-        "These @several:number{three} differential equations of the @order:number{second} order, "
-        "together with @more:number{two} constraints  "
-        r"@constraints:reference{\eqref{eq:nosliding2}} give a system of @count:number{eight} "
-        "equations with @unknowns:number{eight} unknown variables "
-        r"@letters:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}.",
-        eight,
-        derived=relative_curvature,
-    ),
-)
+SENTENCES = sentences(__file__, globals())

@@ -7,12 +7,13 @@ import re
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of, tight
+from voronec.audit import Quoted, Range, Reference, Study, one_of, tight
 from voronec.audit.structure import mentions
 
 from ..dictionary.general import BASE, FIBRE, TOTAL
 from ..dictionary.geometry import CONSTRAINTS, POTENTIAL, Q, V, kinetic_energy
 from ..dictionary.reductions import torus_measure, with_time
+from ..transcription import sentences
 from .claims import agreement, all_of, denial, equals
 
 
@@ -153,76 +154,10 @@ def torus(study: Study, _: Range, *, sort: str, factor: str) -> vo.Verdict:
 
 TENSOR = r"\text{a tensor of three arguments:}\quad "
 
-SENTENCES = (
-    Sentence(
-        "Consider a Lagrangian nonholonomic system $(Q,L,\\mathcal D)$ where the constraints "
-        r"define a @sort:word{nonintegrable} distribution $\mathcal D$ of the tangent bundle "
-        "$TQ$, i.e, the constraints are @degree:word{homogeneous} and do @timed:affirmed{not "
-        "depend} of time.",
-        linear_constraints,
-        "space",
-    ),
-    Sentence(
-        r"and that $\mathcal D$ is @how:word{transverse} to the fibers of $\pi$:",
-        across,
-        "space",
-    ),
-    Sentence(
-        r"The distribution $\mathcal D$ can be seen as the @what:word{kernel} of a vector-valued "
-        "one form $A$ on $Q$,",
-        kernel,
-        "space",
-    ),
-    Sentence(
-        r"(i) $A_q\colon T_q Q \to\mathcal V_q$ is a @sort:word{linear} mapping, $q\in Q$;",
-        mapping,
-        "space",
-    ),
-    Sentence(
-        r"The \emph{curvature} $B$ of the connection $A$ is a @values:word{vertical} "
-        "vector-valued @sort:word{two-form} defined by",
-        two_form,
-        "space",
-    ),
-    Sentence(
-        "where the Lagrangian is the @operation:word{difference} of the kinetic and the potential "
-        "energy",
-        lagrangian,
-        "motion",
-    ),
-    Sentence(
-        "In the case when the constraints are @degree:word{nonhomogeneous} and "
-        r"@timed:word{time dependent} @constraints:reference{\eqref{v1}}, the coefficients "
-        r"$A^{(\nu)}_{ij}$, $A^{(\nu)}_i$ can be also interpreted as the component of the curvature "
-        r"of the Ehresmann connection of the fiber bundle $\pi: Q\times \mathbb R\to S\times "
-        r"\mathbb R$",
-        moving_constraints,
-        "space",
-        source="brackets of vector fields, and the curvature derived for the system 'moving'",
-    ),
-    Sentence(
-        r"Then $A$ is a @sort:word{principal} connection and",
-        principal,
-        "affine group",
-    ),
-    Sentence(
-        r"the nonholonomic system @system:reference{\eqref{v5*}} is $G$--invariant and reduces to "
-        "the tangent bundle of the @manifold:word{base} manifold $S$.",
-        reduces,
-        "affine group",
-    ),
-    Sentence(
-        r"and $JK(X,Y)$ is a @slots:formula{$(0,2)$}--tensor field on the base manifold $S$,",
-        tensor,
-        "abelian",
-        derived=lambda study: study.context.three_slots(),
-    ),
-    Sentence(
-        "In the case of @sort:word{integrability}, the dynamics over regular invariant "
-        "$m$--dimensional tori, in the @factor:word{original} time, has the form",
-        torus,
-        "torus",
-        cited="that such a flow keeps the measure with the density Phi; that every integrable "
-        "system with a measure has this form is quoted",
-    ),
-)
+
+def latex_of_slots(study: Study) -> str:
+    """What was derived instead."""
+    return study.context.three_slots()
+
+
+SENTENCES = sentences(__file__, globals())

@@ -7,11 +7,12 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Reference, Study, one_of
 from voronec.audit.structure import mentions
 
 from ..dictionary.rotor import COSINES, chi
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI
+from ..transcription import sentences
 from .claims import (
     AXES,
     agreement,
@@ -19,7 +20,7 @@ from .claims import (
     constant,
     denial,
     equals,
-    relative_curvature,
+    relative_curvature,  # noqa: F401  (named in the print)
     residuals,
     value,
 )
@@ -150,65 +151,4 @@ def eight(
     )
 
 
-SENTENCES = (
-    Sentence(
-        "It is also assumed that the forces applied to the gyroscope do "
-        "@torque:affirmed{not induce} torque about the axis of the gyroscope. Thus, the gyroscope "
-        r"will rotate with a @speed:word{constant} angular velocity $\tilde{\omega}$ around the "
-        r"axes @axis:names{$O\mathbf z$}.",
-        constant_speed,
-    ),
-    Sentence(
-        r"$A,B$ are $\mathbf x$ and $\mathbf y$ components of the inertia tensor of the system "
-        r"@whole:word{body + gyroscope}, @letters:names{$C$ and $\tilde C$} are the moments of "
-        r"inertia with respect to the axis $O\mathbf z$ of the @first:word{body} and the "
-        r"@second:word{gyroscope} in the body frame $O\mathbf x\mathbf y\mathbf z$",
-        moments_of,
-        "rotor",
-    ),
-    Sentence(
-        r"$\mathbf G^{(M)}$ is the angular momentum of the system with the gyroscope when the "
-        r"$\mathbf z$-component @name:names{$\tilde\omega$} of the angular velocity of the "
-        "gyroscope is set to @to:number{zero}",
-        without_its_spin,
-        "rotor",
-    ),
-    Sentence(
-        "Due to the presence of the gyroscope, the @which:number{second} equation in "
-        r"@laws:reference{\eqref{eq:lawmoments}}",
-        changed_law,
-        "gyrostat",
-    ),
-    Sentence(
-        r"Here, the constraint @constraint:reference{\eqref{eq:nosliding1}} is imposed.",
-        nothing_slips,
-        "gyrostat",
-    ),
-    Sentence(
-        r"where @letters:names{$\alpha'',\beta'',\gamma''$} are cosines of the angles between "
-        r"@axis:names{$\mathbf z$} and @axes:names{$\mathbf u,\mathbf v,\mathbf n$}.",
-        cosines,
-        "rotor",
-    ),
-    Sentence(
-        r"the kinematic equations "
-        r"@one:formula{$\frac{d\alpha''}{dt}=\tau_1\gamma''-n_1\beta''$} (similar for "
-        r"@others:names{$\beta''$ and $\gamma''$}),",
-        by_the_same_rule,
-        "turning",
-    ),
-    Sentence(
-        "are the derivatives of $U$ along the vector fields that define quasi-velocities "
-        r"@letters:names{$s,\tau,n$}.",
-        along_fields,
-        source="the brackets derived for the system 'contact-in-frame', and those of rotations",
-    ),
-    Sentence(
-        "The problem reduces to the integration of @count:number{eight} differential equations on "
-        "@unknowns:number{eight} unknown functions of time: "
-        r"@letters:names{$u, v, \vartheta, u_1, v_1, s, \tau, n$} (or, equivalently, "
-        r"@others:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}).",
-        eight,
-        derived=relative_curvature,
-    ),
-)
+SENTENCES = sentences(__file__, globals())

@@ -7,11 +7,12 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Range, Reference, Sentence, Study, one_of
+from voronec.audit import Range, Reference, Study, one_of
 from voronec.audit.structure import mentions
 
 from ..dictionary.inversion import by_addition, curve, general, y
 from ..dictionary.weierstrass import abel
+from ..transcription import sentences
 from .claims import agreement, all_of, denial, residuals
 
 
@@ -85,45 +86,10 @@ def shift(study: Study, _: Range, *, which: int, power: tuple[str, ...]) -> vo.V
     )
 
 
-OF_WP = r"\text{(eq:addition1) and (eq:addition2), with $2y$ in them; (eq:elliptic1) and (eq:elliptic2) do not speak of $\wp$}"
+def latex_of_source(_: Study) -> str:
+    """What it takes instead of what the print names."""
+    return r"\text{(eq:addition1) and (eq:addition2), with $2y$ in them; (eq:elliptic1) and (eq:elliptic2) do not speak of $\wp$}"
 
-ADDITION = (
-    Sentence(
-        "the Abel theorem for elliptic functions, stating that the sum of @first:word{zeros} of an "
-        "elliptic functions @relation:relation{equals} the sum of @second:word{poles} (modulo the "
-        "lattice which defines the underlying elliptic curve).",
-        equal_sums,
-        cited="for the functions wp' - a wp - b alone; for all others it is quoted",
-    ),
-)
 
-INVERSION = (
-    Sentence(
-        "which is based on simultaneous parameterizations of the @power:word{square} of the "
-        "polynomial $X$ of degree @degree:number{four} in $x$ and the @variable:word{variable} $x$ "
-        "in terms of elliptic functions of the @argument:word{same} argument $u$.",
-        both_by_u,
-    ),
-    Sentence(
-        r"Using the Addition Theorem \ref{th:Weierstrass.addition} and formulae "
-        r"@first:reference{\eqref{eq:elliptic1}} and @second:reference{\eqref{eq:elliptic2}}, one "
-        "gets",
-        from_the_theorem,
-        derived=lambda _: OF_WP,
-    ),
-    Sentence(
-        "Let us introduce the polynomial $Y$ of degree @degree:number{four} in "
-        "@variable:names{$y$} as:",
-        in_y,
-    ),
-    Sentence(
-        "One can apply the above considerations to an arbitrary polynomial $X$ of degree "
-        "@degree:number{four} in @variable:names{$x$}:",
-        any_quartic,
-    ),
-    Sentence(
-        "To eliminate the @which:number{second} term with @power:names{$x^3$} one substitutes the "
-        "variable",
-        shift,
-    ),
-)
+TEXT = sentences(__file__, globals())
+ADDITION, INVERSION = TEXT[:1], TEXT[1:]

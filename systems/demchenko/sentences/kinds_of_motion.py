@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Interval, Quoted, Range, Sentence, Study, one_of
+from voronec.audit import Interval, Quoted, Range, Study, one_of
 
 from .. import k
 from ..dictionary.kinds_of_motion import (
@@ -23,6 +23,7 @@ from ..dictionary.kinds_of_motion import (
 )
 from ..dictionary.quadratures import C5, GAMMA, INERTIA, ROOTS, h, level, p, share, x
 from ..dictionary.trajectories import equal_steps, regular_at_poles, rests, turns
+from ..transcription import sentences
 from .claims import agreement, all_of, constant, denial, exists, sides
 
 CASES = (0, 2, 4)
@@ -254,116 +255,10 @@ FIGURE = r"Figure\s*\\ref\{[^}]*\}"
 OF_THE_THESIS = "that the dissertation has it there is quoted, and the figure is not in the LaTeX"
 
 
-def caption(text: str) -> Sentence:
-    """What stands under a figure."""
-    return Sentence(text, curve_of_figure, "text", cited=OF_THE_THESIS)
-
-
 def sides_of(formula: Quoted) -> list[str]:
     """Both sides of an equation as they are printed."""
     return formula.latex.strip("$").replace(" ", "").split("=")
 
 
-TEXT = (
-    Sentence(
-        r"@how:quantifier{In  general}, the polynomial $X$ can have @least:number{zero}, "
-        r"@middle:number{two}, or @most:number{four} real roots.",
-        counts,
-    ),
-    Sentence(
-        r"The @case:number{first} case would @moves:word{not produce any} real motion",
-        no_motion,
-    ),
-    Sentence(
-        r"In the case of @count:number{four} real roots, ordered "
-        r"@order:formula{$x^{I}>x^{IV}>x^{III}>x^{II}$} the motion is possible for "
-        r"@upper:interval{$x\in (x^{I}, x^{IV})$} or @lower:interval{$x\in (x^{III}, x^{II})$}.",
-        gaps,
-        derived=between_the_roots,
-    ),
-    Sentence(
-        "Without loosing the generality, Demchenko works with the @case:number{first} case: "
-        r"@gap:interval{$x\in (x^{I}, x^{IV})$}.",
-        without_loss,
-        derived=upright,
-    ),
-    Sentence(
-        "In the case of @count:number{two} real roots, he again denotes them as "
-        r"@order:formula{$x^{I}> x^{IV}$}.",
-        two_roots,
-    ),
-    Sentence(
-        "The trajectory of the point $M$ on the mobile sphere goes between to parallels "
-        r"@ends:names{$u^{I}$ and $u^{IV}$} which it touches @how:word{alternatively}. The "
-        "distance between two consecutive points of contact is @distance:word{constant}.",
-        parallels,
-    ),
-    Sentence(
-        r"""Demchenko distinguishes @cases:number{three} cases:
-
-\begin{itemize}
-\item [1)] The polynomial $\phi(x)$ has @first:number{no} roots in the interval
-@one:interval{$(x^{I}, x^{IV})$}.
-The situation in this case is presented as curve $A$, see Figure \ref{fig:slika4}.
-\item [2)] The polynomial $\phi(x)$ has @second:number{one} root in the interval
-@two:interval{$(x^{I}, x^{IV})$}.
-The situation in this case is presented as curve $B$, see Figure \ref{fig:slika5}.
-\item [3)] The polynomial $\phi(x)$ has @third:number{two} roots in the interval
-@three:interval{$(x^{I}, x^{IV})$}.
-The situation in this case is presented as curves $C$, $C_1$ and $C_2$,  see  Figure \ref{fig:slika6} and Figure \ref{fig:slika7}.""",
-        trace_cases,
-        derived=upright,
-    ),
-    Sentence(
-        "The trajectories of the point $M$ on the fixed sphere are similar, where the number of "
-        r"roots of the polynomial @polynomial:names{$F(x)$} in the interval "
-        r"@gap:interval{$(x^{I}, x^{IV})$} now discriminates cases $A$, $B$, and $C$.",
-        on_the_fixed_sphere,
-        derived=upright,
-    ),
-    Sentence(
-        r"If  @roots:names{$x^{I}$} or @other:names{$x^{IV}$} coincides with one of the roots of "
-        r"the polynomial @polynomial:names{$\psi(x)$}, then the curves on the movable and fixed "
-        r"sphere have the form $D$: $D_1$ see Figure \ref{fig:slika8}, $D_2$ see Figure "
-        "\\ref{fig:slika9}\nand $D_3$ see Figure \\ref{fig:slika10}.",
-        cusps,
-    ),
-    Sentence(
-        r"If, however @top:formula{$x^{I}=1$} or @bottom:formula{$x^{IV}=-1$} the curves "
-        "representing the motion of the point $M$ on the movable sphere are presented as $E_1$ see "
-        r"Figure \ref{fig:slika11} and $E_2$ see  Figure \ref{fig:slika12}. In these cases the "
-        "curves on the @sphere:word{fixed} sphere do @singular:affirmed{not posses} singularities.",
-        smooth,
-    ),
-)
-
-SENTENCES = (
-    *TEXT,
-    caption(
-        r"\caption{Demchenko: Figure 4 p. 53: the curve @curve:names{$A$}.}\label{@figure:word{fig:slika4}}"
-    ),
-    caption(
-        r"\caption{Figure 5, p. 53: the curve @curve:names{$B$}.}\label{@figure:word{fig:slika5}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 6 p. 53: the curve @curve:names{$C_1$}.}\label{@figure:word{fig:slika6}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 7, p. 53: the curve @curve:names{$C_2$}.}\label{@figure:word{fig:slika7}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 8 p. 56: the curve @curve:names{$D_1$}.}\label{@figure:word{fig:slika8}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 9, p. 56: the curve @curve:names{$D_2$}.}\label{@figure:word{fig:slika9}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 10 p. 57: the curve @curve:names{$D_3$}.}\label{@figure:word{fig:slika10}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 11, p. 57: the curve @curve:names{$E_1$}.}\label{@figure:word{fig:slika11}}"
-    ),
-    caption(
-        r"\caption{Demchenko: Figure 12, p. 58: the curve @curve:names{$E_2$}.}\label{@figure:word{fig:slika12}}"
-    ),
-)
+SENTENCES = sentences(__file__, globals())
+TEXT = tuple(s for s in SENTENCES if s.decide is not curve_of_figure)

@@ -11,6 +11,7 @@ from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
 from voronec.audit.meaning import evaluate
 
 from ..dictionary.surfaces import BASE, COORDINATES, QUASI, SLIP, typeset, vector
+from ..transcription import sentences
 from .claims import (
     AXES,
     agreement,
@@ -282,96 +283,9 @@ def determinant(study: Study) -> str:
     return f"{text} = {typeset(context.determinant, study.spelling)}"
 
 
-SENTENCES = (
-    Sentence(
-        "As positive orientation Demchenko uses nowadays @sort:word{negative} orientation. This is "
-        "the reason the signs in several equations differs from the signs we used to have.",
-        orientation,
-        "left-handed",
-    ),
-    Sentence(
-        "the Gauss coordinates $u, v$, $u_1, v_1$ at $M$ and the angle "
-        r"@angle:names{$\vartheta$} between @first:names{$\mathbf v_1$} and "
-        r"@second:names{$\mathbf u$}.",
-        neumann_angle,
-    ),
-    Sentence(
-        "Here, the velocity of the point $M$ is @how:relation{different from} zero.",
-        moving_contact,
-    ),
-    Sentence(
-        r"Let @names:names{$\mathfrak v^1$, $\mathfrak v$}  be the vectors of "
-        "@first:word{absolute} and @second:word{relative} velocities of $M$, i.,e, the time "
-        r"derivatives of @place:reference{\eqref{parametrizacija1}} and "
-        r"@other:reference{\eqref{parametrizacija}}, respectively.",
-        traces,
-    ),
-    Sentence(
-        r"The velocity @name:names{$\mathfrak m$} is usually expressed as the @side:word{left} "
-        r"hand side od @condition:reference{\eqref{uobicajeno}}.",
-        left_side_of,
-    ),
-    Sentence(
-        r"The condition @first:reference{\eqref{eq:nosliding1}} is @how:word{equivalent} to "
-        r"@second:reference{\eqref{uobicajeno}}.",
-        same_condition,
-    ),
-    Sentence(
-        r"Denote by @letters:names{$s, \tau, n, \mathfrak m_\mathbf u,\mathfrak m_\mathbf v,\mathfrak m_\mathbf n$} "
-        r"the projections of the angular velocity @first:names{$\omega$} and "
-        r"@second:names{$\mathfrak m$} on the axes @axes:names{$\mathbf u, \mathbf v, \mathbf n$}.",
-        projections,
-    ),
-    Sentence(
-        r"the formulae ((8-10)) are derived which express "
-        r"@letters:names{$s, \tau, n, \mathfrak m_\mathbf u, \mathfrak m_\mathbf v$} as "
-        "@sort:word{homogenous linear} functions of the time derivatives of the Neumann "
-        r"coordinates @dots:names{$\dot u, \dot v, \dot u_1, \dot v_1, \dot \vartheta$}, and "
-        "@back:word{vice-versa}.",
-        linear_forms,
-        derived=determinant,
-    ),
-    Sentence(
-        r"The condition @condition:reference{\eqref{eq:nosliding1}} gives the differential "
-        r"constraints @first:formula{$\mathfrak m_\mathbf u=0$} and "
-        r"@second:formula{$\mathfrak m_\mathbf v=0$} for rolling without sliding",
-        gives_constraints,
-    ),
-    Sentence(
-        "The equations of motion of a rolling without slipping of the rigid body $\\mathrm{T}$ over "
-        r"the surface $\mathrm S_1$ are derived in a two different equivalent ways.",
-        unaudited="the equations of this section are not printed; both ways are compared where "
-        "they are, with a gyroscope and by the principle",
-    ),
-    Sentence(
-        r"Here, since @product:formula{$[\mathbf x,\mathbf y]=\mathbf z$}, the sign "
-        "@differs:word{differs} from the usual one.",
-        usual_sign,
-        "left-handed",
-    ),
-    Sentence(
-        "Note that the forces of reactions of constraints do @acts:affirmed{not induce} torque "
-        "with respect to @point:names{$M$}.",
-        idle,
-    ),
-    Sentence(
-        "the kinetic energy written in terms of "
-        r"@letters:names{$\mathfrak m_\mathbf u,\mathfrak w_\mathbf v,\mathfrak m_\mathbf n, s, \tau,n$},",
-        energy_letters,
-        "energies",
-        derived=lambda _: r"\mathfrak m_\mathbf v",
-    ),
-    Sentence(
-        r"From the equations \eqref{eq:lawmoments} written in the moving frames, "
-        r"@constraints:reference{\eqref{eq:nosliding2}} and @kinematics:reference{\eqref{eq:n}},",
-        starts_from,
-        "rolling",
-    ),
-    Sentence(
-        "the system of @count:number{eight} differential equations in @unknowns:number{eight} "
-        r"unknown functions of time: @letters:names{$u, v, u_1, v_1, \vartheta, s, \tau, n$} (or, "
-        r"equivalently, @others:names{$u,v,\vartheta, u_1,v_1,\dot u,\dot v,\dot\vartheta$}) is "
-        "derived.",
-        equation_count,
-    ),
-)
+def latex_of_slip(_: Study) -> str:
+    """What was derived instead."""
+    return r"\mathfrak m_\mathbf v"
+
+
+SENTENCES = sentences(__file__, globals())

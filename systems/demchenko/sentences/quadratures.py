@@ -7,10 +7,10 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Reference, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Reference, Study, one_of
 
 from .. import A, k, n, s, tau, theta, u, u1, v, v1
-from ..dictionary.kinds_of_motion import (
+from ..dictionary.kinds_of_motion import (  # noqa: F401  (named in the print)
     chain_of,
     leading_coefficient,
     leading_text,
@@ -19,6 +19,7 @@ from ..dictionary.kinds_of_motion import (
     sign_in_range,
 )
 from ..dictionary.quadratures import GAMMA, h, level, x
+from ..transcription import sentences
 from .claims import agreement, all_of, both_sides, constant, denial, equals, residuals, value
 
 POLYNOMIALS = {r"\phi": "phi", r"\psi": "psi", "F": "F", r"\theta": "theta", "X": "X"}
@@ -200,64 +201,4 @@ def in_products(
     )
 
 
-SENTENCES = (
-    Sentence(
-        "where $X(x)$ is a degree @degree:number{four} polynomial in @variable:names{$x$}.",
-        degree_of,
-        derived=leading_text,
-    ),
-    Sentence(
-        "Namely, integrating the @which:word{last} of the equations "
-        r"@equations:reference{\eqref{4.3.131415}}, he gets",
-        exact_rate,
-    ),
-    Sentence(
-        r"where @definition:formula{$C_5=k\mu x_0$} is a @sort:word{constant}, as well as "
-        "@centre:names{$x_0$}.",
-        never_changes,
-        "level free",
-    ),
-    Sentence(
-        "In order to get @wanted:names{$s$}, he eliminates @gone:names{$\\tau$} from the first "
-        "integrals, the area integral",
-        elimination,
-    ),
-    Sentence(
-        r"From the kinetic energy integral @integral:reference{\eqref{eq:kinetic}}, one gets",
-        from_energy,
-        "level free",
-    ),
-    Sentence(
-        r"By multiplying both sides by @factor:formula{$\sin^2u$} and by applying the formulae "
-        r"@first:reference{\eqref{4.4.4}} and @second:reference{\eqref{4.4.7}} one gets finally",
-        product_with,
-        "level free",
-    ),
-    Sentence(
-        r"By substituting @what:names{$\tau$} from the @which:number{second} of the equations "
-        r"@source:reference{\eqref{4.2.789}} into @into:reference{\eqref{4.4.12}}, one comes to "
-        r"@result:reference{\eqref{eq:elliptic1}}.",
-        substitution,
-        "letters",
-    ),
-    Sentence(
-        r"Demchenko expresses the angular velocities @velocities:names{$s, \tau, n$} and also "
-        r"@angles:names{$u_1$ and $\vartheta$} as functions of $x$.",
-        by_x,
-    ),
-    Sentence(
-        "He needs @count:number{two} additional elliptic integrations",
-        further,
-    ),
-    Sentence(
-        r"where @names:names{$\phi, F, \theta$} are @degree:number{quadratic} polynomials in $x$.",
-        polynomials,
-        derived=quadratic_text,
-    ),
-    Sentence(
-        r"where @name:names{$\psi$} is also a @degree:number{quadratic} polynomial in $x$ and "
-        "@lead:names{$a_0$} is a @sign:relation{negative} @sort:word{constant}.",
-        in_products,
-        derived=leading_text,
-    ),
-)
+SENTENCES = sentences(__file__, globals())

@@ -8,12 +8,12 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.audit import Quoted, Range, Sentence, Study, one_of
+from voronec.audit import Quoted, Range, Study, one_of
 
 from .. import A, axis, k, momentum, n, s, tau, u
 from ..dictionary.kinds_of_motion import at_state, body, chain_of, refutation
 from ..dictionary.quadratures import PARAMETERS, RATIO, level, x
-from ..dictionary.stability import (
+from ..dictionary.stability import (  # noqa: F401  (named in the print)
     at_rest,
     condition,
     of_sign,
@@ -27,6 +27,7 @@ from ..dictionary.stability import (
     stationary,
     verdict_of_claim,
 )
+from ..transcription import sentences
 from .claims import agreement, all_of, constant, denial, exists
 
 SPINS = {"s": s, r"\tau": tau, "n": n}
@@ -217,94 +218,9 @@ def of_energy(study: Study, where: Range, *, dependence: str) -> vo.Verdict:
     return denial(not one_of(dependence, DEPENDS), found)
 
 
-SENTENCES = (
-    Sentence(
-        "Demchenko establishes @count:number{four} classes of particular motion.",
-        classes,
-        "list",
-    ),
-    Sentence(
-        r"\item[1)] Regular precessions: they are @how:quantifier{possible}. The curves which "
-        "$M$ describes on @spheres:word{both} fixed and movable spheres coincide with "
-        "@curves:word{parallels}.",
-        precessions,
-        "level",
-    ),
-    Sentence(
-        r"""The precession is @sort:stability{stable} if
-    @when:formula{$$
-    \frac{\partial^2 X}{\partial x^{I2}}<0,
-    $$}
-    and @other:stability{instable} if
-    @opposite:formula{$$
-    \frac{\partial^2 X}{\partial x^{I2}}>0.
-    $$}""",
-        by_second,
-        "inside",
-    ),
-    Sentence(
-        r"""In the cases
-@between:formula{$$
-    \frac{\partial^2 X}{\partial x^{I2}}=0,
-    $$}
-    the @sort:stability{stable} situation corresponds to
-    @when:formula{$$
-    \frac{\partial^3 X}{\partial x^{I3}}=0,
-    $$}""",
-        by_third,
-        "inside",
-    ),
-    Sentence(
-        r"""and the @one:stability{unstable}
-    the @two:stability{stable} situation corresponds to
-    @when:formula{$$
-    \frac{\partial^3 X}{\partial x^{I3}}\ne0.
-    $$}""",
-        by_third_else,
-        "inside",
-        derived=lambda _: r"\text{and the unstable situation corresponds to}",
-    ),
-    Sentence(
-        r"\item[2)] Pseudo-regular precessions are @how:quantifier{possible} if the rotations of "
-        r"the gyroscope are much @than:relation{bigger} than the initial rotations "
-        r"@small:names{$s_0, \tau_0$} of the gyroscopic ball. These precessions are "
-        "@ever:quantifier{always} @sort:stability{stable}.",
-        nutation,
-        "level",
-        derived=small_nutation_text,
-    ),
-    Sentence(
-        r"\item [3)] Stationary motions are @how:quantifier{possible}. The trajectories of the "
-        "point $M$ consists of a @points:number{single} point @spheres:word{both} on movable and "
-        "fixed "
-        "spheres. The angular velocity of the ball is @speed:word{constant} and the orientation of "
-        "the axis of the gyroscope is @orientation:word{constant}.",
-        stands,
-        "level",
-    ),
-    Sentence(
-        "Such motion is @ever:quantifier{always} @sort:stability{stable}.",
-        ever_stable,
-        "stable",
-    ),
-    Sentence(
-        r"\item [4)] Rolling of an @sort:word{ordinary} ball, when the gyroscope "
-        "@state:word{stays at rest}.",
-        without_spin,
-        "level",
-        derived=ordinary_text,
-    ),
-    Sentence(
-        "These are trajectories @dependence:word{independent} on the initial energy.",
-        of_energy,
-        "level",
-    ),
-    Sentence(
-        "in the dynamics of gyroscopic ball rolling without sliding over a sphere such remarkable "
-        "trajectories @how:quantifier{exist}. These are regular precessions when the axis of the "
-        "gyroscope rests @along:word{parallel} to the fixed vector of the @vector:word{moment} of "
-        "the gyroscopic ball with respect to the point $M$.",
-        remarkable_ones,
-        "level",
-    ),
-)
+def latex_of_situation(_: Study) -> str:
+    """What was derived instead."""
+    return r"\text{and the unstable situation corresponds to}"
+
+
+SENTENCES = sentences(__file__, globals())
