@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from voronec.motion.pictures.motion_record import MotionRecord
     from voronec.motion.request import Namespace
 
-__all__ = ["LARGEST", "Page", "PageView", "check_shapes", "view_of"]
+__all__ = ["LARGEST", "Page", "PageView", "check_shapes", "mesh_program", "view_of"]
 
 
 def page_program(namespace: Namespace, shapes: Sequence[Shape]) -> Program:
@@ -69,8 +69,8 @@ def quartic_parts(namespace: Namespace) -> dict[str, Any]:
     return {f"quartic {i}": namespace.inward(part) for i, part in enumerate(parts)}
 
 
-def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
-    """JavaScript whose ``extras(t, (a, b), parameters)`` gives three numbers for each patch of each
+def mesh_program(shapes: Sequence[Shape], namespace: Namespace) -> Program:
+    """A program whose extra quantities at the state (a, b) are three numbers for each patch of each
     shape, one after the other."""
     parameters = tuple(map(se.Symbol, namespace.equations.system.parameter_names))
     points = [
@@ -78,7 +78,7 @@ def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
     ]
     a, b = (se.Symbol(str(x)) for x in MESH)
     names = tuple(f"point {i}" for i in range(len(points)))
-    program = Program(
+    return Program(
         time=namespace.equations.form.time,
         coordinates=(a,),
         velocities=(b,),
@@ -87,7 +87,6 @@ def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
         names=names,
         extras=Block((), tuple(points)),
     )
-    return javascript_source(program)
 
 
 LARGEST = 900_000
@@ -174,7 +173,9 @@ class Page:
         folder = files(__package__)
         return {
             "program": _module_object(javascript_source(self.program)),
-            "mesh": _module_object(mesh_source(self.system.shapes, self.namespace)),
+            "mesh": _module_object(
+                javascript_source(mesh_program(self.system.shapes, self.namespace))
+            ),
             "DATA": _json(self.data),
             "dop853": (folder / "dop853.js").read_text("utf-8"),
             "motion": (folder / "motion.js").read_text("utf-8"),
