@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.algebra.symbols import plain_name
 from voronec.closed.pictures.sphere_curves import View, best_view, on_sphere
 from voronec.declaration.figure_style import INK, MARK, NO_SPACE, figure_in_style
 

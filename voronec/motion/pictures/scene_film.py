@@ -29,7 +29,7 @@ __all__ = ["ShapesInMotion", "check_film", "film", "picture"]
 TONES = {"body": ("#dce9f7", "#7fa8d4"), "ground": ("#f7f2e8", "#e3d6bd")}
 """Two tones of a chequered surface."""
 TURN, HEIGHT = 0.9, 0.45
-"""Where the eye stands, about the vertical and above the horizon, where traces tell of no better."""
+"""Where the eye stands, about the vertical and above the horizon, where no trace tells better."""
 POSE = 15
 """Numbers of a shape at an instant: centre, attitude row by row, contact."""
 FOLLOWED = 12.0
@@ -252,7 +252,7 @@ def check_film(system: System, target: Path) -> None:
 
 def film(
     shown: ShapesInMotion, target: Path, frames: int = 160, rate: int = 20,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None, dots: int = 100,
 ) -> tuple[Path, ...]:  # fmt: skip
     """Write a film, and return what was written.
 
@@ -263,6 +263,8 @@ def film(
         how many, spread evenly over the run, and how many in a second.
     progress
         called with the share that is done.
+    dots
+        in an inch, of 4.8 by 4.8.
     """
     from matplotlib import rc_context
 
@@ -272,7 +274,7 @@ def film(
         chosen = np.unique(np.linspace(0, len(shown.trajectory.t) - 1, frames).astype(int))
         written = [target] if writer else []
         if writer:
-            writer.setup(figure, str(target), dpi=100)
+            writer.setup(figure, str(target), dpi=dots)
         for number, place in enumerate(chosen):
             shown.draw(panel, int(place))
             if writer:

@@ -114,11 +114,13 @@ class Page:
 
     It integrates the equations itself, and again where somebody moves a slider.  What it cannot
     integrate - inputs, switching surfaces, changes of coordinates on the way, a long time - it
-    plays from the instants of the trajectory, and says so.  ``caption`` says what there is to see.
+    plays from the instants of the trajectory, and says so.  ``caption`` says what there is to see
+    below the ``title``, by default that of the system.
     """
 
     trajectory: MotionRecord
     caption: str = ""
+    title: str = ""
 
     @property
     def system(self) -> System:
@@ -198,7 +200,7 @@ class Page:
         tied = {plain_name(x) for x in bound}
         values = self.trajectory.parameters
         return {
-            "title": self.system.title or self.system.name,
+            "title": self.title or self.system.title or self.system.name,
             "caption": self.caption,
             "source": f"Recorded: {recorded}."
             if recorded
@@ -273,7 +275,7 @@ class Page:
             f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
             "base-uri 'none'; form-action 'none'"
         )
-        title = html.escape(self.system.title or self.system.name)
+        title = html.escape(self.data["title"])
         parts = {"POLICY": policy, "TITLE": title, "STYLE": style, "SCRIPT": script}
         # in one pass: what fills a place may itself hold the mark of another
         page = re.sub("@([A-Z]+)@", lambda mark: parts[mark[1]], page)
