@@ -18,7 +18,7 @@ from urllib.parse import unquote, urlsplit
 
 import voronec
 from pages import audit, gallery
-from voronec.motion.viewer.gallery import write_gallery
+from voronec.motion.viewer.gallery import MOTIONS, write_gallery
 
 __all__ = ["add_motions", "dead_links", "main", "reference_pages", "write_source"]
 
@@ -48,6 +48,8 @@ SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
 SITE_PAGES = "lists them; the site\ncarries them, too.\n"
 """Where the pages of motions are told of."""
+MOTION = "\n## Motions\n"
+"""Where a page of a system tells of its motions."""
 BOTH = "are made with the site, which carries both.\n"
 """Where the page and the article of the audit are told of."""
 CLASSES = "are made with the site, which shows them.\n"
@@ -135,7 +137,8 @@ def _add_behind(words: str, more: str, page: Path) -> None:
 
 
 def add_motions(page: Path, folder: Path) -> None:
-    """Write the pages of motions, and show the first on the page that tells of them."""
+    """Write the pages of motions, and show the first where these are told of, and each on the page
+    of its system."""
     folder.mkdir(parents=True, exist_ok=True)
     listed, first, *_ = write_gallery(folder)
     place = f"../{folder.name}"
@@ -146,6 +149,12 @@ def add_motions(page: Path, folder: Path) -> None:
 ```
 """
     _add_behind(SITE_PAGES, shown, page)
+    for name, scene, _ in MOTIONS:
+        own = page.parents[1] / "systems" / f"{name}.md"
+        frame = f'<iframe src="{place}/{name}-{scene}.html" loading="lazy" title="{scene}" '
+        if scene == "default":
+            style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
+            _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:
