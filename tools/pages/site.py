@@ -124,9 +124,14 @@ def notebook_of(text: str) -> dict[str, Any]:
     for number, part in enumerate(CELL.split(body)):
         lines = part.strip().splitlines(keepends=True)
         kind = "code" if number % 2 else "markdown"
-        more = {"outputs": [], "execution_count": None} if number % 2 else {}
+        more: dict[str, Any] = {"outputs": [], "execution_count": None} if number % 2 else {}
         if lines:
-            own = {"cell_type": kind, "id": f"cell-{number}", "metadata": {}, "source": lines}
+            own: dict[str, Any] = {
+                "cell_type": kind,
+                "id": f"cell-{number}",
+                "metadata": {},
+                "source": lines,
+            }
             cells.append(own | more)
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}

@@ -32,7 +32,7 @@ TURN, HEIGHT = 0.9, 0.45
 """Where the eye stands, about the vertical and above the horizon, where no trace tells better."""
 POSE = 15
 """Numbers of a shape at an instant: centre, attitude row by row, contact."""
-FOLLOWED = 12.0
+FAR_PATH = 12.0
 """A path so many times as large as the body is followed."""
 
 
@@ -86,7 +86,7 @@ class ShapesInMotion:
         return [
             float(np.linalg.norm(np.concatenate([q for q, _ in parts]), axis=-1).max())
             if _is_bounded(shape) else 0.0
-            for shape, parts in zip(self.trajectory.system.shapes, self.bounded, strict=True)
+            for shape, parts in zip(self.trajectory.system.shapes, self.finite_patches, strict=True)
         ]  # fmt: skip
 
     @cached_property
@@ -96,7 +96,7 @@ class ShapesInMotion:
         return roles.index("body") if "body" in roles else 0
 
     @cached_property
-    def bounded(self) -> list[list[tuple[np.ndarray, np.ndarray]]]:
+    def finite_patches(self) -> list[list[tuple[np.ndarray, np.ndarray]]]:
         """Quadrilaterals (q, 4, 3) of each patch in the shape's own axes, and their tones (q,)."""
         return [
             [self._quads(k, patch.ranges) for k, patch in patches if patch.ranges is not None]
@@ -108,14 +108,15 @@ class ShapesInMotion:
         """Quadrilaterals of each shape, those without end as far as the motion goes."""
         low, high = self.reach
         most = max(float((high - low).max()), 4 * max(self.sizes)) + 2 * max(self.sizes)
-        step, whole = most / 8, []
+        step, whole = most / 8, list[tuple[np.ndarray, np.ndarray]]()
         middle = np.round((low + high) / 2 / step) * step
         for patches in self._patches():
             parts = [
                 self._quads(k, patch.ranges or [(c - most, c + most) for c in middle[:2]])
                 for k, patch in patches
             ]
-            whole.append(tuple(np.concatenate(each) for each in zip(*parts, strict=True)))
+            quads, tones = (np.concatenate(each) for each in zip(*parts, strict=True))
+            whole.append((quads, tones))
         return whole
 
     def _patches(self) -> list[list[tuple[int, Any]]]:
@@ -167,7 +168,7 @@ class ShapesInMotion:
         low, high = self.reach
         largest, half = max(self.sizes), float(np.linalg.norm(high - low)) / 2
         own = self.sizes[self.body]
-        if own and half > FOLLOWED * own and largest == own:
+        if own and half > FAR_PATH * own and largest == own:
             return self.axes[:2] @ self.poses[now, self.body, :3], 5 * own
         return self.axes[:2] @ (low + high) / 2, half + 1.1 * largest
 
@@ -181,7 +182,9 @@ class ShapesInMotion:
             pose, (quads, tones) = self.poses[now, i], self.meshes[i]
             seen = (quads @ pose[3:12].reshape(3, 3).T + pose[:3]) @ self.axes.T
             polygons.append(seen[..., :2])
-            colours.append(_shaded(seen, tones, TONES[shape.role], 0.3 if self.is_glass(i) else 1))
+            colours.append(
+                _surface_colours(seen, tones, TONES[shape.role], 0.3 if self.is_glass(i) else 1)
+            )
             depth = seen[..., 2].mean(axis=1)
             depths.append(depth if _is_bounded(shape) else depth - 1e6 * (1 + np.abs(depth).max()))
             for line, colour in self._traces(i, now):
@@ -194,7 +197,7 @@ class ShapesInMotion:
         panel.clear()
         panel.set_axis_off()
         panel.add_collection(
-            PolyCollection(found[0], facecolors=found[1], edgecolors=found[1], linewidths=0.3)
+            PolyCollection([*found[0]], facecolors=found[1], edgecolors=found[1], linewidths=0.3)
         )
         (x, y), t = middle, float(self.trajectory.t[now])
         panel.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
@@ -219,7 +222,7 @@ def _rgba(colour: str, alpha: float = 1.0) -> np.ndarray:
     return np.array(to_rgba(colour, alpha))
 
 
-def _shaded(
+def _surface_colours(
     seen: np.ndarray, tones: np.ndarray, colours: Sequence[str], alpha: float
 ) -> np.ndarray:
     """Colours (q, 4) of quadrilaterals (q, 4, 3), lighter where they face the light."""
