@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 from command_line import Call, refused
+from PIL import Image
 
 from voronec.closed.classes import search as finding
 
@@ -52,14 +56,23 @@ def test_a_class_that_does_not_exist_is_a_line_with_the_reason(call: Call) -> No
 def test_without_a_name_pages_of_a_dozen_motions(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("voronec.motion.viewer.gallery.MOTIONS", (("sleigh", "default"),))
+    shown = (("sleigh", "default", "skates"), ("demchenko", "inner", "balls"))
+    monkeypatch.setattr("voronec.motion.viewer.gallery.MOTIONS", shown)
     answer = call("gallery", "--json")
     files = [Path(f) for f in json.loads(answer.out)["files"]]
-    assert files == [Path("gallery/index.html"), Path("gallery/sleigh-default.html")]
-    assert (
-        '<a href="sleigh-default.html">' in files[0].read_text()
-        and "<canvas" in files[1].read_text()
+    pages = ["sleigh-default.html", "demchenko-inner.html"]
+    assert files == [Path("gallery", name) for name in ("index.html", *pages)]
+    listed = files[0].read_text()
+    cards = re.findall(
+        r'class="card (\w+)" href="(.*?)">.*?base64,(.*?)"><b>(.*?)</b><span>(.+?)</span>', listed
     )
+    assert [(kind, page) for kind, page, *_ in cards] == [("kind0", pages[0]), ("kind1", pages[1])]
+    assert len({title for *_, title, _ in cards}) == 2 and cards[1][3].endswith(", inner")
+    assert '<label for="kind1">balls</label>' in listed
+    assert "#kind1:checked ~ main .card:not(.kind1)" in listed
+    with Image.open(io.BytesIO(base64.b64decode(cards[0][2]))) as poster:
+        assert (poster.format, poster.n_frames) == ("WEBP", 10)
+    assert "<canvas" in files[1].read_text()
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -36,6 +38,30 @@ def test_examples_run(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         pytest.importorskip("casadi", reason="CasADi is not installed: voronec[control]")
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "example", "exec"), {"__name__": "example"})
+
+
+def test_the_lecture_is_prepared_in_its_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its commands run as they stand, one after the other, and write what the page promises."""
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "how-to" / "lecture.md").read_text()
+    lines = [shlex.split(line) for line in re.findall(r"^ +voronec (.*)$", page, re.MULTILINE)]
+    assert [line[0] for line in lines] == "new derive explain show run view judge".split()
+    for line in lines:
+        assert main(line) == 0, line
+    written = {path.name: path for path in (tmp_path / "slides").iterdir()}
+    assert {"derivation.tex", "derivation.html", "sketch.svg", "coin.gif"} <= written.keys()
+    assert written["coin.gif"].read_bytes().startswith(b"GIF8")
+    sliders = {e["name"]: e["slides"] for e in _page_data(written["my-coin.html"])["parameters"]}
+    assert sliders["R"]  # which the address of the page sets
+
+
+def _page_data(page: Path) -> Any:
+    """What a page of a motion holds of it."""
+    held = re.search(r"^const DATA = (.*);$", page.read_text("utf-8"), re.MULTILINE)
+    assert held is not None
+    return json.loads(held[1].replace("<\\/", "</"))
 
 
 def test_every_command_and_its_options_are_described() -> None:

@@ -33,7 +33,7 @@ NOUNS = set(
 """Words that end as participles do, and are nouns."""
 WORDS_OF_THE_PUBLIC = {
     # attributes and methods that the documentation shows: verdicts, what a family declares
-    "Corrected", "Enclosed", "Measured", "Quoted",
+    "Corrected", "Enclosed", "Measured", "Quoted", "Sampled",
     "admitted", "conserved", "declared", "exhausted", "forcing", "passed", "printed", "proved",
     "left", "refuted", "solved", "standing", "undecided",
 }  # fmt: skip

@@ -132,15 +132,18 @@ def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> N
     assert figure._repr_png_().startswith(b"\x89PNG")  # a notebook shows it without pyplot
     with pytest.raises(vo.DefinitionError, match="speed"):
         motion.plot(["speed"])
-    with pytest.raises(vo.DefinitionError, match="makes no film"):
-        motion.animate(tmp_path / "motion.gif")
+    with pytest.raises(vo.DefinitionError, match=r"is no film; write FILE\.gif"):
+        motion.animate(tmp_path / "motion.doc")
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_film_of_a_ball_on_a_sphere(tmp_path: Path) -> None:
-    motion = vo.integrate(vo.load("demchenko"), times=np.linspace(0, 1, 4))
-    film = motion.animate(tmp_path / "ball.gif")
-    assert film.read_bytes().startswith(b"GIF8")
+@pytest.mark.parametrize(
+    ("name", "file", "begins"),
+    [("demchenko", "ball.gif", b"GIF8"), ("snakeboard", "board.webp", b"RIFF")],
+)
+def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins: bytes) -> None:
+    motion = vo.integrate(vo.load(name), times=np.linspace(0, 1, 4))
+    assert motion.animate(tmp_path / file).read_bytes().startswith(begins)
 
 
 def _same(one: Any, other: Any) -> None:

@@ -173,17 +173,51 @@ def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> Non
     assert rolling.kind == kinds[rolling.fixed_radius]
 
 
+def test_the_places_of_a_film_are_those_of_the_ball(run: vo.Trajectory) -> None:
+    """The ball's centre and attitude, from shapes, are those of Neumann's coordinates."""
+    from voronec.motion.pictures.rolling_animation import rolling_of
+    from voronec.motion.pictures.scene_film import ShapesInMotion
+
+    shown, rolling = ShapesInMotion(run), rolling_of(run)
+    poses = shown.poses[:, shown.body]
+    assert np.allclose(poses[:, :3], rolling.centres, atol=1e-12)
+    assert np.allclose(poses[:, 3:12].reshape(-1, 3, 3), rolling.attitude, atol=1e-12)
+    # every corner of the ball's surface lies on the ball
+    corners, _ = shown.meshes[shown.body]
+    assert np.allclose(np.linalg.norm(corners, axis=-1), rolling.radius)
+
+
+def test_bodies_in_front_hide_what_is_behind() -> None:
+    """A ball before another of the same size: the farther one is not seen."""
+    from voronec.motion.pictures.scene_film import ShapesInMotion, picture
+
+    x = sp.Symbol("x")
+    eye = np.array([np.cos(0.9) * np.cos(0.45), np.sin(0.9) * np.cos(0.45), np.sin(0.45)])
+    for order in (1, -1):
+        near, far = ([*map(float, sign * 3 * eye)] for sign in (order, -order))
+        pair = vo.System(
+            name="pair", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2,
+            shapes=(vo.Shape.ball(1, centre=(near[0] + 0 * x, near[1], near[2])),
+                    vo.Shape.ball(1, centre=tuple(far), role="ground")),
+        )  # fmt: skip
+        run = vo.integrate(pair, initial={x: 0}, times=[0, 1])
+        figure = picture(ShapesInMotion(run), 0)
+        figure.canvas.draw()
+        red, _, blue, _ = np.asarray(figure.canvas.buffer_rgba())[250, 240].astype(int)
+        assert (blue > red) == (order > 0)  # the body is blue, the ground sand
+
+
 def test_a_film_has_its_frames(run: vo.Trajectory, tmp_path: Path) -> None:
     from PIL import Image
 
-    from voronec.motion.pictures.rolling_animation import film, rolling_of
+    from voronec.motion.pictures.scene_film import ShapesInMotion, film
 
     shares: list[float] = []
-    (target,) = film(rolling_of(run), tmp_path / "a.gif", frames=3, progress=shares.append)
+    (target,) = film(ShapesInMotion(run), tmp_path / "a.gif", frames=3, progress=shares.append)
     with Image.open(target) as picture:
         assert picture.n_frames == 3
     assert shares == pytest.approx([1 / 3, 2 / 3, 1])
-    single = film(rolling_of(run), tmp_path / "b.svg", frames=2)
+    single = film(ShapesInMotion(run), tmp_path / "b.svg", frames=2)
     assert [p.name for p in single] == ["b-0001.svg", "b-0002.svg"]
     assert single[0].read_bytes() != single[1].read_bytes()
 
@@ -193,11 +227,15 @@ def test_films_that_cannot_be_are_refused_before_any_work(
 ) -> None:
     from matplotlib.animation import FFMpegWriter
 
-    from voronec.motion.pictures.rolling_animation import check_film
+    from voronec.motion.pictures.scene_film import check_film
 
+    bare = vo.System(
+        name="bare", fibration=vo.Fibration(sp.Symbol("x")),
+        lagrangian=vo.velocity(sp.Symbol("x")) ** 2,
+    )  # fmt: skip
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     for system, target, words in (
-        (vo.load("sleigh"), "a.gif", "no film of a ball"),
+        (bare, "a.gif", "has no shape to be viewed"),
         (demchenko, "a.doc", "no film; write"),
         (demchenko, "a.mp4", "ffmpeg"),
         (demchenko, "nowhere/a.gif", "there is no"),
@@ -209,7 +247,7 @@ def test_films_that_cannot_be_are_refused_before_any_work(
 
 @pytest.mark.parametrize(
     ("words", "told"),
-    [("demchenko --animate a.doc", "write FILE.gif"), ("sleigh --animate a.gif", "no film of a")],
+    [("demchenko --animate a.doc", "write FILE.gif"), ("sleigh --animate a.mp3", "is no film")],
 )
 def test_run_refuses_a_film_in_one_line(call: Call, words: str, told: str) -> None:
     assert told in refused(call("run", *words.split()))

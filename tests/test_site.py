@@ -26,6 +26,18 @@ def test_the_reference_has_every_public_name_once(build) -> None:
     assert sorted(found) == sorted(expected)
 
 
+def test_notebooks_for_jupyter_hold_the_cells_of_their_pages(build) -> None:
+    nbformat = pytest.importorskip("nbformat")
+    for page in (Path(build.DOCS) / "notebooks").glob("[!i]*.md"):
+        text = page.read_text("utf-8")
+        notebook = build.notebook_of(text)
+        nbformat.validate(nbformat.from_dict(notebook))
+        code = ["".join(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]
+        assert code == [cell.strip() for cell in build.CELL.findall(text)] and code
+        words = ["".join(c["source"]) for c in notebook["cells"] if c["cell_type"] == "markdown"]
+        assert words[0].startswith("# ") and not any("code-cell" in part for part in words)
+
+
 def test_links_that_lead_nowhere_are_found(build, tmp_path: Path) -> None:
     (tmp_path / "other.html").write_text('<p id="here">')
     good = '<a href="other.html#here"><a href="other.html"><a href="https://doi.org/10.1/x">'

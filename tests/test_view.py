@@ -73,6 +73,34 @@ def test_all_that_lies_in_space_has_a_shape() -> None:
     assert {*vo.names()} - {*SHOWN} == SHAPELESS
 
 
+@needs_node
+def test_names_are_written_by_hand() -> None:
+    names = ["theta", "phidot", "omega1", "v1", "beta_R", "kappa_12", "lean", "thetadotdot", "x"]
+    hand = ["θ", "φ\u0307", "ω₁", "v₁", "β_R", "κ₁₂", "lean", "θ\u0307\u0307", "x"]
+    assert in_node(page_at_start("sleigh"), f"{json.dumps(names)}.map(letters)") == hand
+
+
+@needs_node
+def test_an_address_holds_the_instant_the_start_and_parameters() -> None:
+    """What it says is read back to the last bit; what the page does not take is named."""
+    page = page_at_start("sleigh")
+    parameters = [entry["name"] for entry in page.data["parameters"]]
+    there = "DATA.start.map((e) => e.value + 1 / 3)", "DATA.parameters.map((e) => 7 * e.value / 3)"
+    read = in_node(page, f"readAddress(addressOf(2.5, {there[0]}, {there[1]}))")
+    assert read["time"] == 2.5 and read["wrong"] == ""
+    assert read["start"] == in_node(page, there[0])
+    assert read["parameters"] == in_node(page, there[1])
+    plain = in_node(page, 'readAddress("")')
+    assert plain["time"] is None
+    assert plain["parameters"] == [e["value"] for e in page.data["parameters"]]
+    assert (
+        in_node(page, "addressOf(null, readAddress('').start, readAddress('').parameters)") == "#"
+    )
+    for part in (f"{parameters[0]}=-1", "nobody=1", f"{parameters[0]}=2;alert(1)", "%=1", "t="):
+        found = in_node(page, f"readAddress({json.dumps('#' + part)})")
+        assert found["wrong"] == part and found["parameters"] == plain["parameters"]
+
+
 @pytest.mark.slow
 @needs_node
 @pytest.mark.parametrize("name", KINDS)

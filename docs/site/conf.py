@@ -17,7 +17,7 @@ copyright = author
 version = release = voronec.__version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
-exclude_patterns = ["site", "**/.ipynb_checkpoints"]
+exclude_patterns = ["site", "downloads", "**/.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = "Voronec"
 html_copy_source = False

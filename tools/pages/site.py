@@ -8,17 +8,19 @@ leads nowhere ends with status 1.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shutil
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import voronec
 from pages import audit, gallery
-from voronec.motion.viewer.gallery import write_gallery
+from voronec.motion.viewer.gallery import MOTIONS, write_gallery
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -47,6 +49,8 @@ SYSTEMS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 """All pages beside the list of systems, for the column on the left."""
 SITE_PAGES = "lists them; the site\ncarries them, too.\n"
 """Where the pages of motions are told of."""
+MOTION = "\n## Motions\n"
+"""Where a page of a system tells of its motions."""
 BOTH = "are made with the site, which carries both.\n"
 """Where the page and the article of the audit are told of."""
 CLASSES = "are made with the site, which shows them.\n"
@@ -95,6 +99,7 @@ def write_source(source: Path) -> None:
     _add_sketches(source / "systems")
     _add_audit(source / "audit.md")
     _add_classes(source / "closed-form.md")
+    _add_notebooks(source / "notebooks")
     index = source / "systems" / "README.md"
     index.write_text(index.read_text("utf-8") + SYSTEMS, "utf-8")
     reference = source / "reference"
@@ -105,6 +110,44 @@ def write_source(source: Path) -> None:
     _list_others(source / "index.md", "reference/*.rst", "reference/testing")
     _list_others(source / "how-to" / "index.md", "*.md", "formula")
     _list_others(source / "notebooks" / "index.md", "*.md", "search-and-prove")
+
+
+CELL = re.compile(r"^```\{code-cell\}.*?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+"""A cell of code in a notebook that is kept as a text."""
+
+
+def notebook_of(text: str) -> dict[str, Any]:
+    """A notebook, as Jupyter keeps it, of one that is kept as a text: words and code in turn."""
+    body = re.sub(r"\A---\n.*?\n---\n", "", text, flags=re.DOTALL)
+    cells = []
+    for number, part in enumerate(CELL.split(body)):
+        lines = part.strip().splitlines(keepends=True)
+        kind = "code" if number % 2 else "markdown"
+        more: dict[str, Any] = {"outputs": [], "execution_count": None} if number % 2 else {}
+        if lines:
+            own: dict[str, Any] = {
+                "cell_type": kind,
+                "id": f"cell-{number}",
+                "metadata": {},
+                "source": lines,
+            }
+            cells.append(own | more)
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+
+
+def _add_notebooks(folder: Path) -> None:
+    """Write each notebook for Jupyter, and offer it at the head of its page."""
+    downloads = folder.parent / "downloads"
+    downloads.mkdir(exist_ok=True)
+    for page in folder.glob("*.md"):
+        text = page.read_text("utf-8")
+        if not CELL.search(text):
+            continue
+        file = downloads / f"{page.stem}.ipynb"
+        file.write_text(json.dumps(notebook_of(text), indent=1), "utf-8")
+        offer = f"{{download}}`Download this notebook <../downloads/{file.name}>` for Jupyter."
+        page.write_text(re.sub(r"^(# .*)$", rf"\1\n\n{offer}", text, count=1, flags=re.MULTILINE))
 
 
 def _add_audit(page: Path) -> None:
@@ -134,7 +177,8 @@ def _add_behind(words: str, more: str, page: Path) -> None:
 
 
 def add_motions(page: Path, folder: Path) -> None:
-    """Write the pages of motions, and show the first on the page that tells of them."""
+    """Write the pages of motions, and show the first where these are told of, and each on the page
+    of its system."""
     folder.mkdir(parents=True, exist_ok=True)
     listed, first, *_ = write_gallery(folder)
     place = f"../{folder.name}"
@@ -145,6 +189,12 @@ def add_motions(page: Path, folder: Path) -> None:
 ```
 """
     _add_behind(SITE_PAGES, shown, page)
+    for name, scene, _ in MOTIONS:
+        own = page.parents[1] / "systems" / f"{name}.md"
+        frame = f'<iframe src="{place}/{name}-{scene}.html" loading="lazy" title="{scene}" '
+        if scene == "default":
+            style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
+            _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:

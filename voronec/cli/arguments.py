@@ -219,7 +219,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _method, TOLERANCE,
         Option("--out DIR", "folder for trajectory.csv and pictures (./NAME-run)"),
         Option("--animate FILE",
-               "an animation of a ball rolling on a sphere: .gif, .mp4, or .png for single frames"),
+               "a film of a system with shapes: .gif, .webp, .mp4, or .png for single frames"),
     ),
     "view": (
         "view", "write an HTML page that integrates a motion and shows it in space", SYSTEM, MOTION,

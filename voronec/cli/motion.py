@@ -29,7 +29,7 @@ def execute(arguments: Namespace) -> int:
     system, given = motion_of(arguments)
     folder = wanted_folder(arguments.out or f"{system.name}-run")
     if arguments.animate:
-        from voronec.motion.pictures.rolling_animation import check_film
+        from voronec.motion.pictures.scene_film import check_film
 
         check_film(system, Path(arguments.animate))
         wanted_folder(str(Path(arguments.animate).parent))
@@ -66,13 +66,13 @@ def _write(trajectory: Trajectory, workshop: Path) -> None:
 
 
 def _animate(trajectory: Trajectory, target: Path) -> list[Path]:
-    from voronec.motion.pictures.rolling_animation import film, rolling_of
+    from voronec.motion.pictures.scene_film import ShapesInMotion, film
 
     name = trajectory.system.name
 
     def write(workshop: Path) -> None:
         film(
-            rolling_of(trajectory), workshop / target.name,
+            ShapesInMotion(trajectory), workshop / target.name,
             progress=lambda share: progress(f"{name}: {share:.0%} of the film"),
         )  # fmt: skip
 

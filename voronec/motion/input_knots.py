@@ -42,7 +42,7 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
     own = replace(
         problem, start=problem.start.copy(), parameters=given, progress=progress, changing=left
     )
-    once, told = None if anew else make(own), problem.told()
+    once, told = None if anew else make(own), problem.state_view()
 
     def ask(time: float, state: np.ndarray) -> None:
         for feedback in changing.feedbacks:

@@ -357,10 +357,10 @@ class _Job:
         return Problem(
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact, self.outset.changing,
-            marked=bool(made.watch.branches), measured=self._measured(),
+            marked=bool(made.watch.branches), measured=self._velocities_besides(),
         )  # fmt: skip
 
-    def _measured(self) -> Program | None:
+    def _velocities_besides(self) -> Program | None:
         """What controllers are told beside the states: velocities that follow from these; None
         where there are no controllers."""
         changing, namespace = self.outset.changing, self.namespace

@@ -367,7 +367,7 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrato
     pieces = in_pieces(make, replace(problem, dense=problem.dense or bool(followed)), made.exact)
 
     def run(grid: np.ndarray) -> Run:
-        found, told = pieces(grid), problem.told()
+        found, told = pieces(grid), problem.state_view()
 
         def motion(times: np.ndarray) -> list[Mapping[str, float]]:
             assert found.inside is not None

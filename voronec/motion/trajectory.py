@@ -287,17 +287,18 @@ class Trajectory:
         return plot_trajectory(self, names, self.system.title or self.system.name)
 
     def animate(self, path: str | os.PathLike[str]) -> Path:
-        """Write a film of the motion, ``FILE.gif``, or ``FILE.mp4`` where ffmpeg is installed.
+        """Write a film of the motion, ``FILE.gif``, ``FILE.webp``, or ``FILE.mp4`` where ffmpeg is
+        installed.
 
-        There are films of balls that roll on a sphere; ``DefinitionError`` for other systems, and
-        where the trajectory does not hold all coordinates.
+        ``DefinitionError`` where the system has no ``shapes``, and where the trajectory does not
+        hold the coordinates on which their places depend.
         """
-        from voronec.motion.pictures.rolling_animation import check_film, film, rolling_of
+        from voronec.motion.pictures.scene_film import ShapesInMotion, check_film, film
 
         require("animate", "path", path, PATH)
         target = Path(path)
         check_film(self.system, target)
-        film(rolling_of(self), target)
+        film(ShapesInMotion(self), target)
         return target
 
     def view(self, path: str | os.PathLike[str] | None = None) -> PageView:

@@ -1,6 +1,4 @@
-"""A ball that rolls over a sphere, with the trace of the contact on both, as a film.
-
-Films are written by Pillow as .gif, by the program ffmpeg as .mp4, or frame by frame.
+"""A ball that rolls over a sphere, with the trace of the contact on both, as a strip for print.
 
 The ball carries its own trace along; the other one stays on the fixed sphere.  Rolling outside,
 these are two bodies that hide each other; inside, the fixed sphere is glass; a shell around the
@@ -9,20 +7,16 @@ fixed sphere is glass itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voronec.algebra.symbols import plain_name
 from voronec.closed.pictures.sphere_curves import View, best_view, on_sphere
-from voronec.declaration.figure_style import INK, MARK, NO_SPACE, STYLE, figure_in_style
-from voronec.errors import DefinitionError
+from voronec.declaration.figure_style import INK, MARK, NO_SPACE, figure_in_style
 
 if TYPE_CHECKING:
-    from voronec.declaration.system import System
     from voronec.motion.pictures.motion_record import MotionRecord
 
 BALL, GROUND, NET, RIM = "#eaf1f8", "#f7f3ec", "#9fb2c6", "#5d6b7a"
@@ -203,20 +197,6 @@ _NET = (
 COORDINATES, RADII = ("u", "v", "u1", "v1", "theta"), ("R1", "R2")
 
 
-def check_film(system: System, target: Path) -> None:
-    """``DefinitionError`` where no film of the system can be written there, before any work."""
-    names = {plain_name(q) for q in system.coordinates} | {*system.parameter_names}
-    missing = [name for name in (*COORDINATES, *RADII) if name not in names]
-    if missing:
-        raise DefinitionError(
-            f"'{system.name}' makes no film of a ball on a sphere: it has no "
-            f"{', '.join(missing)}; films need {', '.join(COORDINATES)} and radii R1, R2"
-        )
-    if not target.parent.is_dir():
-        raise DefinitionError(f"'{target}' cannot be written: there is no '{target.parent}'")
-    _writer(target, 1)
-
-
 def rolling_of(trajectory: MotionRecord) -> Rolling:
     """The ball of a trajectory in Neumann's coordinates u, v, u1, v1, theta, with radii R1, R2.
 
@@ -248,64 +228,6 @@ def _turns(theta: np.ndarray) -> np.ndarray:
     return turns
 
 
-def film(
-    rolling: Rolling,
-    target: Path,
-    frames: int = 160,
-    rate: int = 20,
-    progress: Callable[[float], None] | None = None,
-) -> tuple[Path, ...]:
-    """Write a film, and return what was written.
-
-    target
-        FILE.gif; FILE.mp4, where the program ffmpeg is installed; or FILE.png, FILE.svg for single
-        frames FILE-0001.png and so on.
-    frames, rate
-        how many, spread evenly over the run, and how many in a second.
-    progress
-        called with the share that is done.
-    """
-    from matplotlib import rc_context
-
-    writer, dated = _writer(target, rate), {"Date": None} if target.suffix == ".svg" else None
-    with rc_context({**STYLE, "svg.hashsalt": "voronec"}):
-        figure, panel = _stage(rolling)
-        view = _rolling_view(rolling)
-        chosen = np.unique(np.linspace(0, len(rolling.times) - 1, frames).astype(int))
-        written = [target] if writer else []
-        if writer:
-            writer.setup(figure, str(target), dpi=100)
-        for number, place in enumerate(chosen):
-            _draw_rolling(panel, rolling, view, int(place))
-            if writer:
-                writer.grab_frame()
-            else:
-                written.append(target.with_stem(f"{target.stem}-{number + 1:04d}"))
-                figure.savefig(written[-1], metadata=dated)
-            if progress:
-                progress((number + 1) / len(chosen))
-        if writer:
-            writer.finish()
-    return tuple(written)
-
-
-def _writer(target: Path, rate: int) -> Any:
-    """What puts frames together; None for single ones."""
-    from matplotlib import animation
-
-    if target.suffix in (".png", ".svg"):
-        return None
-    if target.suffix == ".gif":
-        return animation.PillowWriter(fps=rate)
-    if target.suffix != ".mp4":
-        raise DefinitionError(f"'{target}' is no film; write FILE.gif, FILE.mp4, or FILE.png")
-    if not animation.FFMpegWriter.isAvailable():
-        raise DefinitionError(
-            f"'{target}' needs the program ffmpeg, which is not installed; write FILE.gif instead"
-        )
-    return animation.FFMpegWriter(fps=rate)
-
-
 def film_strip(rolling: Rolling, instants: Sequence[int], columns: int = 3) -> Any:
     """Some frames side by side as one matplotlib ``Figure``, for print."""
     rows = -(-len(instants) // columns)
@@ -318,15 +240,3 @@ def film_strip(rolling: Rolling, instants: Sequence[int], columns: int = 3) -> A
         for panel, place in zip(panels, instants, strict=False):
             _draw_rolling(panel, rolling, view, place, width=0.7)
     return figure
-
-
-def _stage(rolling: Rolling) -> tuple[Any, Any]:
-    """A square figure with one panel."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(4.8, 4.8))
-    FigureCanvasAgg(figure)
-    panel = figure.add_axes((0, 0, 1, 0.95))
-    figure.suptitle(rolling.title, fontsize=10, y=0.985)
-    return figure, panel

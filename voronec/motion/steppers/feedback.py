@@ -17,7 +17,7 @@ import numpy as np
 MEND = "mend the controller, or end the run before that"
 """What helps where a controller gave no value."""
 
-Told = Callable[[float, Sequence[float], Sequence[float]], Mapping[str, float]]
+StateView = Callable[[float, Sequence[float], Sequence[float]], Mapping[str, float]]
 """From a time, a state (n,) and the parameters of a program to what a controller is told."""
 
 
@@ -30,8 +30,8 @@ class Feedback:
     """The controller ``function(t, state)`` of the input ``name`` in one run.
 
     A sampled one is asked at the ``instants``, and ``values`` are what it gave at the first of
-    them; a continuous one has none.  ``told`` makes what it is told of states of a run, and
-    ``motion`` gives these, with ``parameters``, at times (k,) of a run that is over.
+    them; a continuous one has none.  ``motion`` gives what it
+    is told at times (k,) of a run that is over.
     """
 
     name: str
@@ -44,11 +44,6 @@ class Feedback:
     def is_sampled(self) -> bool:
         """Whether its values are held between instants."""
         return bool(self.instants)
-
-    @property
-    def held(self) -> float:
-        """What it gave last, at first zero."""
-        return self.values[-1] if self.values else 0.0
 
     def value(self, instant: float, state: Mapping[str, float]) -> float:
         """What it gives; ``ControllerFailure`` for what is no finite number."""

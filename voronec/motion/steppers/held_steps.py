@@ -26,11 +26,11 @@ from voronec.motion.steppers.step_loop import (
 
 TOGETHER = 256
 """Instants between two looks at progress and at the keyboard."""
-SAMPLED = 64
+MOST_SAMPLES = 64
 """Leaps of which a step is kept for the check of the run."""
 
 
-class Landing(NamedTuple):
+class LeapEnd(NamedTuple):
     """A state (n,) after some steps, and samples of one of them, where they were asked for."""
 
     state: np.ndarray
@@ -39,7 +39,7 @@ class Landing(NamedTuple):
     samples: tuple[np.ndarray, np.ndarray] | None
 
 
-Leap = Callable[[float, np.ndarray, float, Sequence[float], bool], Landing]
+Leap = Callable[[float, np.ndarray, float, Sequence[float], bool], LeapEnd]
 """From a time and a state (n,) to another time, with values of the parameters, and whether samples
 are wanted."""
 
@@ -73,14 +73,14 @@ class _HeldSteps:
     def __post_init__(self) -> None:
         changing, grid = self.problem.changing, self.grid
         assert changing is not None
-        self.signals, self.told = changing, self.problem.told()
+        self.signals, self.told = changing, self.problem.state_view()
         self.feedbacks = changing.feedbacks
         self.time, self.state = float(grid[0]), self.problem.start.copy()
         knots = changing.knots(float(grid[0]), float(grid[-1]))
         self.stops = np.union1d(grid[1:], knots)
         self.is_point = np.isin(self.stops, grid).tolist()
         self.is_knot = [True, *np.isin(self.stops, knots).tolist()]
-        self.sampled = {*spread(len(self.stops), SAMPLED).tolist()}
+        self.sampled = {*spread(len(self.stops), MOST_SAMPLES).tolist()}
         names = [*map(str, self.problem.program.parameters)]
         self.places = [names.index(n) if n in names else None for n in changing.order]
         for feedback in self.feedbacks:

@@ -20,7 +20,7 @@ import symengine as se
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
 from voronec.motion.crossings import NODES, SPECK, Levels, StepCourse, crossings
-from voronec.motion.steppers.held_steps import Landing, Leap
+from voronec.motion.steppers.held_steps import Leap, LeapEnd
 from voronec.motion.steppers.run import (
     COLLAPSE,
     DISTANT,
@@ -156,7 +156,7 @@ def taylor_leap(problem: Problem) -> Iterator[Leap]:
 
     def leap(
         time: float, state: np.ndarray, end: float, given: Sequence[float], wanted: bool
-    ) -> Landing:
+    ) -> LeapEnd:
         numbers = constants.values(given)[: len(ta.pars)]
         ta.pars[: len(numbers)] = numbers
         ta.time, ta.state[:] = time, state / units
@@ -169,7 +169,7 @@ def taylor_leap(problem: Problem) -> Iterator[Leap]:
             ends, lengths = np.array([end]), np.array([ta.last_h])
             times, states = series_samples(ends, lengths, ta.tc[None])
             samples = times, states * units
-        return Landing(ta.state * units, steps, steps, samples)
+        return LeapEnd(ta.state * units, steps, steps, samples)
 
     try:
         yield leap

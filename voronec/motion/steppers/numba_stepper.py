@@ -21,7 +21,7 @@ from voronec.motion.steppers.dop853_source import (
     kernel_source,
     stepping_key,
 )
-from voronec.motion.steppers.held_steps import Landing, Leap
+from voronec.motion.steppers.held_steps import Leap, LeapEnd
 from voronec.motion.steppers.kept_code import kept_function
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.samples import NODES, burst
@@ -78,7 +78,7 @@ def dop853_leap(
 
     def leap(
         time: float, state: np.ndarray, end: float, given: Sequence[float], wanted: bool
-    ) -> Landing:
+    ) -> LeapEnd:
         problem.start[:] = state
         steps = Loop.of(drive, problem, np.array([time, end]), scales, raised)
         samples = None
@@ -88,7 +88,7 @@ def dop853_leap(
             samples = found.samples
         if not np.isfinite(found.state).all():
             raise IntegratorFailure(INFINITE)
-        return Landing(
+        return LeapEnd(
             found.state, int(steps.counts[1]), steps.evaluations, samples if wanted else None
         )
 

@@ -20,7 +20,7 @@ import numpy as np
 from voronec.equations.program import Program, compile_program
 from voronec.errors import DefinitionError
 from voronec.motion.request import Guard
-from voronec.motion.steppers.feedback import Feedback, Told
+from voronec.motion.steppers.feedback import Feedback, StateView
 from voronec.motion.steppers.samples import StepSamples
 
 COLLAPSE = "the step size collapsed"
@@ -101,7 +101,7 @@ class Problem:
         if changing is None or changing.python_signal is None:
             return lambda _, __: self.parameters
         places = {str(p): i for i, p in enumerate(self.program.parameters)}
-        told, followed = self.told(), [f for f in changing.feedbacks if not f.is_sampled]
+        told, followed = self.state_view(), [f for f in changing.feedbacks if not f.is_sampled]
 
         def at(time: float, state: np.ndarray) -> Sequence[Any]:
             values = list(self.parameters)
@@ -116,7 +116,7 @@ class Problem:
 
         return at
 
-    def told(self) -> Told:
+    def state_view(self) -> StateView:
         """What controllers are told: the states by name, and what is measured besides."""
         names, besides = [*map(str, self.program.state)], self.measured
         if besides is None or not besides.names:
@@ -124,11 +124,13 @@ class Problem:
         extras = compile_program(besides, scalar=True)[1]
         places = [[*map(str, self.program.parameters)].index(str(p)) for p in besides.parameters]
 
-        def told(time: float, state: Sequence[float], values: Sequence[float]) -> dict[str, float]:
+        def full_view(
+            time: float, state: Sequence[float], values: Sequence[float]
+        ) -> dict[str, float]:
             more = extras(time, state, [values[i] for i in places])
             return dict(zip((*names, *besides.names), (*state, *more), strict=True))
 
-        return told
+        return full_view
 
 
 @dataclass(frozen=True)

@@ -1,40 +1,33 @@
-"""A dozen motions of the catalogue as pages that integrate by themselves, and their list."""
+"""A dozen motions of the catalogue as pages that integrate by themselves, and their list, with a
+small film of each."""
 
 from __future__ import annotations
 
 import html
+import re
+from base64 import b64encode
 from collections.abc import Callable
+from importlib.resources import files as resources
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from voronec.declaration.catalogue import load
+from voronec.motion.pictures.scene_film import ShapesInMotion, film
 from voronec.motion.prepared_problem import integrate
+from voronec.motion.trajectory import Trajectory
 from voronec.motion.viewer.page import Page
 
 MOTIONS = (
-    ("demchenko", "default"), ("demchenko", "inner"), ("demchenko", "shell"),
-    ("chaplygin-ball", "default"), ("gyroscopic-ball-on-sphere", "default"),
-    ("bychkov-ball", "default"), ("torus-on-ellipsoid", "default"), ("rattleback", "default"),
-    ("falling-disc", "default"), ("two-wheeled-carriage", "default"), ("snakeboard", "default"),
-    ("bicycle", "default"),
+    ("demchenko", "default", "balls"), ("demchenko", "inner", "balls"),
+    ("demchenko", "shell", "balls"), ("chaplygin-ball", "default", "balls"),
+    ("gyroscopic-ball-on-sphere", "default", "balls"), ("bychkov-ball", "default", "balls"),
+    ("torus-on-ellipsoid", "default", "other bodies"), ("rattleback", "default", "other bodies"),
+    ("falling-disc", "default", "wheels"), ("two-wheeled-carriage", "default", "wheels"),
+    ("snakeboard", "default", "wheels"), ("bicycle", "default", "wheels"),
 )  # fmt: skip
-"""Systems and scenes, in the order of the list."""
-INDEX = """<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Motions to look at</title>
-<style>
-body { max-width: 46rem; margin: 2rem auto; padding: 0 1rem; font: 16px/1.5 system-ui, sans-serif; }
-li { margin: 0.5rem 0; }
-</style>
-<h1>Motions to look at</h1>
-<p>Each page integrates the equations of motion by itself, and needs no network.</p>
-<ol>
-@ROWS@
-</ol>
-</html>
-"""
+"""Systems, scenes and kinds, in the order of the list."""
+FRAMES, DOTS = 10, 50
+"""Frames of a thumbnail, and its dots in an inch of 4.8."""
 
 
 def write_gallery(folder: Path, tell: Callable[[str], None] = lambda _: None) -> list[Path]:
@@ -43,15 +36,33 @@ def write_gallery(folder: Path, tell: Callable[[str], None] = lambda _: None) ->
     Returns the files, the index first; ``tell`` is told the name of each before its work.
     """
     files, rows = [folder / "index.html"], []
-    for name, scene in MOTIONS:
+    kinds = {kind: f"kind{k}" for k, kind in enumerate(dict.fromkeys(m[2] for m in MOTIONS))}
+    for name, scene, kind in MOTIONS:
         tell(f"{name}, {scene}")
         system = load(name)
         everything = (*system.coordinates, *system.velocities)
-        caption = system.scenes[scene].caption
-        page = Page(integrate(system, scene=scene, outputs=everything), caption)
+        title = (system.title or name) + ("" if scene == "default" else f", {scene}")
+        caption, run = system.scenes[scene].caption, integrate(system, scene, outputs=everything)
         files.append(folder / f"{name}-{scene}.html")
-        files[-1].write_text(page.text, "utf-8")
-        title, said = html.escape(system.title), html.escape(caption)
-        rows.append(f'<li><a href="{files[-1].name}">{title}</a>: {said}</li>')
-    files[0].write_text(INDEX.replace("@ROWS@", "\n".join(rows)), "utf-8")
+        files[-1].write_text(Page(run, caption, title).text, "utf-8")
+        rows.append(
+            f'<a class="card {kinds[kind]}" href="{files[-1].name}">'
+            f'<img alt="" src="{_poster(run)}">'
+            f"<b>{html.escape(title)}</b><span>{html.escape(caption)}</span></a>"
+        )
+    parts = {"ROWS": "\n".join(rows), "STYLE": "", "KINDS": ""}
+    for kind, own in kinds.items():
+        parts["KINDS"] += (
+            f'<input type="radio" name="kind" id="{own}"><label for="{own}">{kind}</label>\n'
+        )
+        parts["STYLE"] += f"#{own}:checked ~ main .card:not(.{own}) {{ display: none; }}\n"
+    index = (resources(__package__) / "gallery.html").read_text("utf-8")
+    files[0].write_text(re.sub("@([A-Z]+)@", lambda mark: parts[mark[1]], index), "utf-8")
     return files
+
+
+def _poster(run: Trajectory) -> str:
+    """A small film of a motion, as the address of a picture that holds it."""
+    with TemporaryDirectory() as place:
+        (file,) = film(ShapesInMotion(run), Path(place) / "poster.webp", FRAMES, 4, dots=DOTS)
+        return f"data:image/webp;base64,{b64encode(file.read_bytes()).decode()}"

@@ -31,14 +31,46 @@ function recordedStates(count) {
   return { states: Array.from({ length: count }, (_, k) => Array.from(all.subarray(k * width, (k + 1) * width))), why: "", steps: 0 };
 }
 
-// How an integral changes along the motion, in parts of itself, or of its terms where it is nothing
-// against them.
+// How an integral changes along the motion, in parts of the largest size of its terms.
 function changes(name, place, rows) {
   const first = rows[0][place], terms = rows.map((row) => Math.abs(row[place + DATA.integrals.length]));
-  const size = terms.reduce((most, x) => (x > most ? x : most), 0);
-  const unit = Math.abs(first) > 1e-6 * size ? Math.abs(first) : size || 1;
-  const along = rows.map((row) => (row[place] - first) / unit);
-  return { name, value: first, along, drift: along.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0) };
+  const size = terms.reduce((most, x) => (x > most ? x : most), 0) || Math.abs(first) || 1;
+  const along = rows.map((row) => (row[place] - first) / size);
+  return { name, value: first, size, along, drift: along.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0) };
+}
+
+const LETTERS = { alpha: "α", beta: "β", gamma: "γ", delta: "δ", epsilon: "ε", zeta: "ζ", eta: "η", theta: "θ", iota: "ι", kappa: "κ", lambda: "λ", mu: "μ", nu: "ν", xi: "ξ", pi: "π", rho: "ρ", sigma: "σ", tau: "τ", upsilon: "υ", phi: "φ", chi: "χ", psi: "ψ", omega: "ω", Gamma: "Γ", Delta: "Δ", Theta: "Θ", Lambda: "Λ", Xi: "Ξ", Pi: "Π", Sigma: "Σ", Phi: "Φ", Psi: "Ψ", Omega: "Ω" };
+
+// A name as it is written by hand: theta1 is θ₁, phidot is φ with a dot; words stay as they are.
+function letters(name) {
+  const [, bare, dots] = /^(.+?)((?:dot)*)$/.exec(name), [, stem, index, digits] = /^([A-Za-z]+?)(_[A-Za-z]+)?_?(\d*)$/.exec(bare) || [null, bare, "", ""];
+  const letter = LETTERS[stem] || (stem.length === 1 ? stem : "");
+  if (!letter) return name;
+  return letter + "\u0307".repeat(dots.length / 3) + (index || "") + [...digits].map((d) => String.fromCharCode(0x2080 + Number(d))).join("");
+}
+
+// An address holds the instant, and what differs from the motion of the page: #t=2&m=3.
+function addressOf(time, start, parameters) {
+  const parts = time === null ? [] : [`t=${time}`];
+  for (const [entries, values] of [[DATA.start, start], [DATA.parameters, parameters]]) {
+    for (const entry of entries) if (entry.slides && values[entry.place] !== entry.value) parts.push(`${encodeURIComponent(entry.name)}=${values[entry.place]}`);
+  }
+  return `#${parts.join("&")}`;
+}
+
+// What an address says; `wrong` names what the page does not take.
+function readAddress(hash) {
+  const found = { time: null, start: DATA.start.map((e) => e.value), parameters: DATA.parameters.map((e) => e.value), wrong: "" };
+  for (const part of hash.replace(/^#/, "").split("&").filter(Boolean)) {
+    const [name, text] = [part.slice(0, part.indexOf("=")), part.slice(part.indexOf("=") + 1)], value = text.trim() ? Number(text) : NaN;
+    let own = "";
+    try { own = decodeURIComponent(name); } catch { own = name; }
+    const [values, entry] = [[found.start, DATA.start], [found.parameters, DATA.parameters]].map(([v, entries]) => [v, entries.find((e) => e.slides && e.name === own)]).find(([, e]) => e) || [null, null];
+    if (own === "t" && Number.isFinite(value)) found.time = value;
+    else if (entry && Number.isFinite(value) && !(entry.positive && value <= 0)) values[entry.place] = value;
+    else found.wrong = found.wrong || part;
+  }
+  return found;
 }
 
 // The quartic with these values at -1, -1/2, 0, 1/2, 1, at x (Lagrange).

@@ -67,8 +67,8 @@ def quartic_parts(namespace: Namespace) -> dict[str, Any]:
     return {f"quartic {i}": namespace.inward(part) for i, part in enumerate(parts)}
 
 
-def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
-    """JavaScript whose ``extras(t, (a, b), parameters)`` gives three numbers for each patch of each
+def mesh_program(shapes: Sequence[Shape], namespace: Namespace) -> Program:
+    """A program whose extra quantities at the state (a, b) are three numbers for each patch of each
     shape, one after the other."""
     parameters = tuple(map(se.Symbol, namespace.equations.system.parameter_names))
     points = [
@@ -76,7 +76,7 @@ def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
     ]
     a, b = (se.Symbol(str(x)) for x in MESH)
     names = tuple(f"point {i}" for i in range(len(points)))
-    program = Program(
+    return Program(
         time=namespace.equations.form.time,
         coordinates=(a,),
         velocities=(b,),
@@ -85,7 +85,6 @@ def mesh_source(shapes: Sequence[Shape], namespace: Namespace) -> str:
         names=names,
         extras=Block((), tuple(points)),
     )
-    return javascript_source(program)
 
 
 LARGEST = 900_000
@@ -113,11 +112,13 @@ class Page:
 
     It integrates the equations itself, and again where somebody moves a slider.  What it cannot
     integrate - inputs, switching surfaces, changes of coordinates on the way, a long time - it
-    plays from the instants of the trajectory, and says so.  ``caption`` says what there is to see.
+    plays from the instants of the trajectory, and says so.  ``caption`` says what there is to see
+    below the ``title``, by default that of the system.
     """
 
     trajectory: MotionRecord
     caption: str = ""
+    title: str = ""
 
     @property
     def system(self) -> System:
@@ -172,7 +173,9 @@ class Page:
         folder = files(__package__)
         return {
             "program": _module_object(javascript_source(self.program)),
-            "mesh": _module_object(mesh_source(self.system.shapes, self.namespace)),
+            "mesh": _module_object(
+                javascript_source(mesh_program(self.system.shapes, self.namespace))
+            ),
             "DATA": _json(self.data),
             "dop853": (folder / "dop853.js").read_text("utf-8"),
             "motion": (folder / "motion.js").read_text("utf-8"),
@@ -195,7 +198,7 @@ class Page:
         tied = {plain_name(x) for x in bound}
         values = self.trajectory.parameters
         return {
-            "title": self.system.title or self.system.name,
+            "title": self.title or self.system.title or self.system.name,
             "caption": self.caption,
             "source": f"Recorded: {recorded}."
             if recorded
@@ -270,7 +273,7 @@ class Page:
             f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
             "base-uri 'none'; form-action 'none'"
         )
-        title = html.escape(self.system.title or self.system.name)
+        title = html.escape(self.data["title"])
         parts = {"POLICY": policy, "TITLE": title, "STYLE": style, "SCRIPT": script}
         # in one pass: what fills a place may itself hold the mark of another
         page = re.sub("@([A-Z]+)@", lambda mark: parts[mark[1]], page)

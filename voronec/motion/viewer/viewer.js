@@ -5,6 +5,7 @@ const one = (id) => document.getElementById(id);
 const INK = 0x1f4e8c, MARK = 0xc2371c;
 const COLOURS = { body: [0xe6eef7, 0x9dbbdc], ground: [0xf7f2e8, 0xe9dfcb] };
 const now = { parameters: [], start: [], motion: null, at: 0, playing: true, pace: 1, spent: 0, frames: 0, dirty: true };
+const tone = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const camera = { turn: 0.9, height: 0.45, far: 5, middle: [0, 0, 0] };
 let home = null;
 
@@ -146,7 +147,71 @@ function begin() {
     return;
   }
   renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
-  renderer.setClearColor(0xffffff);
+}
+
+// Light or dark, as the reader's system has it at first.
+function theme(dark) {
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  if (renderer) renderer.setClearColor(new THREE.Color(tone("paper")));
+  drawCurves();
+  now.dirty = true;
+}
+
+// Points of the traces up to five units of time, as they lie then: where, and whose surface they are on.
+function tracePoints(motion, sizes) {
+  let last = motion.times.findIndex((t) => Math.abs(t - motion.times[0]) > 5) - 1;
+  if (last < 0) last = motion.times.length - 1;
+  const points = [], step = Math.max(1, Math.floor(last / 120));
+  const pose = (k, i) => motion.poses.subarray((k * motion.shapes + i) * POSE, (k * motion.shapes + i + 1) * POSE);
+  DATA.shapes.forEach((shape, i) => {
+    if (!shape.contact) return;
+    const end = pose(last, i);
+    for (let k = 0; k <= last; k += step) {
+      const c = pose(k, i), away = [c[12] - c[0], c[13] - c[1], c[14] - c[2]];
+      const own = [0, 1, 2].map((j) => c[3 + j] * away[0] + c[6 + j] * away[1] + c[9 + j] * away[2]);
+      points.push({ at: [0, 1, 2].map((j) => end[j] + end[3 + 3 * j] * own[0] + end[4 + 3 * j] * own[1] + end[5 + 3 * j] * own[2]), owner: i });
+      points.push({ at: [c[12], c[13], c[14]], owner: -1 });
+    }
+  });
+  const balls = DATA.shapes.map((_, i) => ({ centre: [...pose(last, i).slice(0, 3)], radius: sizes[i], glass: holds(i, motion, sizes) })).map((ball, i) => ({ ...ball, index: i })).filter((ball) => ball.radius && !ball.glass);
+  return { points, balls };
+}
+
+// How much of the picture's height the traces span from a place of the eye, and which part is seen.
+function traceView({ points, balls }, place) {
+  const { turn, height, far, middle } = place, flat = Math.cos(height);
+  const back = [flat * Math.cos(turn), flat * Math.sin(turn), Math.sin(height)], from = middle.map((c, j) => c + far * back[j]);
+  const up = [-Math.sin(height) * Math.cos(turn), -Math.sin(height) * Math.sin(turn), Math.cos(height)];
+  const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2], half = Math.tan((eye.fov * Math.PI) / 360);
+  let low = Infinity, high = -Infinity, seen = 0;
+  for (const { at, owner } of points) {
+    const d = at.map((c, j) => c - from[j]), length = Math.hypot(...d), y = dot(d, up) / (-dot(d, back) * half);
+    const hidden = balls.some((ball) => {
+      const to = ball.centre.map((c, j) => c - from[j]), along = dot(to, d) / length;
+      const aside = Math.sqrt(Math.max(0, dot(to, to) - along * along));
+      if (aside > 0.97 * ball.radius) return false;
+      return length > along - Math.sqrt(ball.radius ** 2 - aside ** 2) + (ball.index === owner ? 0.1 : 0.06) * ball.radius;
+    });
+    low = Math.min(low, y);
+    high = Math.max(high, y);
+    if (!hidden && Math.abs(y) < 1) seen += 1;
+  }
+  return { span: (high - low) / 2, seen: points.length ? seen / points.length : 1 };
+}
+
+// Where the eye stands at first: the traces span a third of the height, and most of them is seen.
+function firstPlace(motion, sizes, place) {
+  const traces = tracePoints(motion, sizes);
+  if (!traces.points.length) return place;
+  const ends = [0, 1, 2].map((j) => traces.points.map(({ at }) => at[j])).map((xs) => (Math.min(...xs) + Math.max(...xs)) / 2);
+  let best = place, most = -Infinity;
+  for (const nearer of [1, 0.8, 0.65, 0.5, 0.4]) for (const height of [0.15, 0.45, 0.8, 1.1, 1.35]) for (let k = 0; k < 16; k++) {
+    const middle = one("follow").checked ? place.middle : place.middle.map((c, j) => nearer * c + (1 - nearer) * ends[j]);
+    const there = { ...place, middle, turn: 0.9 + (k * Math.PI) / 8, height, far: nearer * place.far }, found = traceView(traces, there);
+    const worth = 1.5 * Math.min(found.span / 0.33, 1) + Math.min(found.seen / 0.55, 1) + 0.1 * found.seen - 0.1 * (1 - nearer) - 0.05 * Math.abs(height - 0.45) - 0.002 * k;
+    if (worth > most) [best, most] = [there, worth];
+  }
+  return best;
 }
 
 // Whether a body holds what it rolls on within, or is held by it: what is outside is of glass.
@@ -189,16 +254,18 @@ function build(motion) {
       }
       const line = (points, colour) => {
         const made = new THREE.Mesh(tubeGeometry(points, thin), new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide }));
-        made.frustumCulled = false;
+        const faint = new THREE.Mesh(made.geometry, new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, transparent: true, opacity: 0.22, depthTest: false }));
+        faint.renderOrder = 5;
+        made.frustumCulled = faint.frustumCulled = false;
         traces.push(made.geometry);
-        return made;
+        return [made, faint];
       };
       const spot = new THREE.Mesh(new THREE.SphereGeometry(2.6 * thin, 16, 12), new THREE.MeshLambertMaterial({ color: MARK }));
-      group.add(line(own, INK));
-      beside.push(line(space, MARK), spot);
+      group.add(...line(own, INK));
+      beside.push(spot, ...line(space, MARK));
     }
     scene.add(group, ...beside);
-    return { group, beside, traces, spot: beside[1] };
+    return { group, beside, traces, spot: beside[0] };
   });
   if (!home) {
     home = { turn: 0.9, height: 0.45, far: ((DATA.shapes.some((shape) => shape.patches.some((p) => !p)) ? 0.95 : 0.75) * box.radius) / Math.sin((eye.fov * Math.PI) / 360), middle: box.low.map((c, j) => (c + box.high[j]) / 2) };
@@ -206,7 +273,12 @@ function build(motion) {
     if (12 * largest < box.radius && !bounded) {
       one("follow").checked = true;
       home.far = 14 * largest;
+      let last = motion.times.findIndex((t) => Math.abs(t - motion.times[0]) > 5) - 1;
+      if (last < 0) last = motion.times.length - 1;
+      const body = DATA.shapes.findIndex((shape) => shape.role === "body");
+      home.middle = [...motion.poses.subarray((last * motion.shapes + body) * POSE, (last * motion.shapes + body) * POSE + 3)];
     }
+    home = firstPlace(motion, sizes, home);
     Object.assign(camera, home);
   }
   eye.near = box.size / 200;
@@ -251,7 +323,7 @@ const ROW = 64;
 function drawCurves() {
   const canvas = one("curves"), motion = now.motion;
   if (!motion) return;
-  const wide = canvas.clientWidth || 800, high = ROW * motion.integrals.length, ratio = window.devicePixelRatio || 1;
+  const rows = curveRows(), wide = canvas.clientWidth || 800, high = ROW * rows.length, ratio = window.devicePixelRatio || 1;
   canvas.style.height = `${high}px`;
   canvas.width = wide * ratio;
   canvas.height = Math.max(high * ratio, 1);
@@ -261,29 +333,43 @@ function drawCurves() {
   const pen = curves.getContext("2d");
   pen.scale(ratio, ratio);
   pen.font = "13px system-ui, sans-serif";
-  motion.integrals.forEach((integral, i) => {
-    const top = ROW * i, scale = integral.drift || 1, middle = top + 40;
-    pen.fillStyle = "#1d2733";
-    pen.fillText(`${integral.name} = ${integral.value.toPrecision(8)}; ${integral.drift ? `changes by ${integral.drift.toExponential(1)} of itself` : "does not change"}`, 4, top + 15);
-    pen.strokeStyle = "#d5dce4";
+  rows.forEach(({ text, along }, i) => {
+    const top = ROW * i, middle = top + 40;
+    pen.fillStyle = tone("text");
+    pen.fillText(text, 4, top + 15);
+    pen.strokeStyle = tone("edge");
     pen.strokeRect(0.5, top + 20.5, wide - 1, ROW - 25);
-    pen.strokeStyle = "#1f4e8c";
+    pen.strokeStyle = tone("line");
     pen.beginPath();
-    integral.along.forEach((x, k) => pen.lineTo((wide * k) / Math.max(motion.whole - 1, 1), middle - (17 * x) / scale));
+    along.forEach((x, k) => pen.lineTo((wide * k) / Math.max(motion.whole - 1, 1), middle - 17 * x));
     pen.stroke();
   });
 }
 
+// What is drawn below one another, each between -1 and 1: what is chosen, and the integrals.
+function curveRows() {
+  const { integrals, states } = now.motion, place = Number(one("chosen").value);
+  const rows = integrals.map((integral) => ({
+    text: `${integral.name} = ${integral.value.toPrecision(8)}; ${integral.drift ? `changes by ${integral.drift.toExponential(1)} of ${integral.size.toPrecision(3)}, the size of its terms` : "does not change"}`,
+    along: integral.along.map((x) => x / (integral.drift || 1)),
+  }));
+  if (!(place >= 0)) return rows;
+  const values = states.map((state) => state[place]), low = values.reduce((a, b) => Math.min(a, b)), high = values.reduce((a, b) => Math.max(a, b));
+  const text = `${letters(DATA.start[place].name)} from ${low.toPrecision(6)} to ${high.toPrecision(6)}`;
+  return [{ text, along: values.map((x) => (high > low ? (2 * x - low - high) / (high - low) : 0)) }, ...rows];
+}
+
 function drawCursor() {
   const canvas = one("curves"), pen = canvas.getContext("2d");
-  if (!curves || !canvas.height || !now.motion.integrals.length) return;
+  const count = curves ? Math.round(canvas.clientHeight / ROW) : 0;
+  if (!count || !canvas.height) return;
   pen.clearRect(0, 0, canvas.width, canvas.height);
   pen.drawImage(curves, 0, 0);
-  pen.fillStyle = "#c2371c";
-  const row = canvas.height / now.motion.integrals.length, wide = Math.max(1, canvas.width / 900);
-  now.motion.integrals.forEach((_, i) => {
+  pen.fillStyle = tone("mark");
+  const row = canvas.height / count, wide = Math.max(1, canvas.width / 900);
+  for (let i = 0; i < count; i++) {
     pen.fillRect((canvas.width * now.at) / Math.max(now.motion.whole - 1, 1), row * (i + 20 / ROW), wide, (row * (ROW - 24)) / ROW);
-  });
+  }
 }
 
 // --- the quartic of a motion by quadratures -----------------------------------------------------
@@ -304,7 +390,7 @@ function drawQuartic() {
   const xs = rows.map((row) => row[0]), low = Math.min(...xs), high = Math.max(...xs), margin = 0.35 * (high - low) || 0.1;
   const from = low - margin, span = high - low + 2 * margin, top = Math.max(...xs.map(value), 1e-12);
   const across = (x) => (wide * (x - from)) / span, down = (y) => PLOT * 0.72 - (PLOT * 0.45 * y) / top;
-  pen.strokeStyle = "#b5c0cc";
+  pen.strokeStyle = tone("edge");
   pen.strokeRect(0.5, 0.5, wide - 1, PLOT - 1);
   pen.beginPath();
   pen.moveTo(0, down(0));
@@ -318,13 +404,13 @@ function drawQuartic() {
     pen.stroke();
   };
   trace(from, from + span, "#8fa3b8", 1);
-  trace(low, high, "#1f4e8c", 2.5);
+  trace(low, high, tone("line"), 2.5);
   const k = Math.floor(now.at), next = Math.min(k + 1, rows.length - 1), x = xs[k] + (now.at - k) * (xs[next] - xs[k]);
-  pen.fillStyle = "#c2371c";
+  pen.fillStyle = tone("mark");
   pen.beginPath();
   pen.arc(across(x), down(value(x)), 5, 0, 2 * Math.PI);
   pen.fill();
-  pen.fillStyle = "#1d2733";
+  pen.fillStyle = tone("text");
   pen.font = "13px system-ui, sans-serif";
   const same = [...now.start, ...now.parameters].every((v, i) => v === [...DATA.start, ...DATA.parameters][i].value);
   const classes = same && DATA.quartic.classes ? `.  ${DATA.quartic.classes}` : "";
@@ -337,7 +423,7 @@ function recompute() {
   const motion = motionOf(now.start, now.parameters);
   now.motion = motion;
   document.documentElement.dataset.computed = Number(document.documentElement.dataset.computed || 0) + 1;
-  fail(motion.why ? `The motion ends early: ${motion.why}.` : "");
+  fail(motion.why ? `The motion ends early: ${motion.why}.` : now.wrong ? `The page takes no '${now.wrong}' from its address.` : "");
   one("time").max = motion.times.length - 1;
   now.at = Math.min(now.at, motion.times.length - 1);
   if (renderer) build(motion);
@@ -349,16 +435,17 @@ let waiting = false;
 function changed() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { waiting = false; recompute(); });
+  requestAnimationFrame(() => { waiting = false; now.wrong = ""; recompute(); link(); });
 }
 
 function slider(box, entry, values) {
   const label = document.createElement("label"), said = document.createElement("span");
   const range = document.createElement("input"), number = document.createElement("input");
   label.className = "slider";
-  said.textContent = entry.meaning ? `${entry.name}: ${entry.meaning}` : entry.name;
-  Object.assign(range, { type: "range", min: entry.low, max: entry.high, step: "any", value: entry.value });
-  Object.assign(number, { type: "number", step: "any", value: Number(entry.value.toPrecision(6)) });
+  const written = letters(entry.name), value = values[entry.place];
+  said.textContent = entry.meaning ? `${written}: ${entry.meaning}` : written;
+  Object.assign(range, { type: "range", min: Math.min(entry.low, value), max: Math.max(entry.high, value), step: "any", value });
+  Object.assign(number, { type: "number", step: "any", value: Number(value.toPrecision(6)) });
   const set = (value, other) => {
     if (!Number.isFinite(value) || (entry.positive && value <= 0)) return;
     values[entry.place] = value;
@@ -382,12 +469,28 @@ function controls() {
     box.parentElement.hidden = !box.children.length;
   }
   one("restore").hidden = Boolean(DATA.recorded);
+  const chosen = one("chosen");
+  if (!chosen.options.length) {
+    [[-1, "integrals"], ...DATA.start.map((entry, i) => [i, letters(entry.name)])].forEach(([value, text]) => chosen.add(new Option(text, value)));
+  }
+  chosen.value = -1;
 }
 
-function restart() {
-  now.start = DATA.start.map((entry) => entry.value);
-  now.parameters = DATA.parameters.map((entry) => entry.value);
+// The motion of an address; without one, that of the page.
+function restart(hash = "") {
+  const found = readAddress(hash);
+  now.start = found.start;
+  now.parameters = found.parameters;
+  now.wrong = found.wrong;
   controls();
+  return found.time;
+}
+
+// The address that opens the page at this motion, and at this instant where it is asked for.
+function link(time = null) {
+  try {
+    history.replaceState(null, "", addressOf(time, now.start, now.parameters));
+  } catch { /* a frame has no address of its own */ }
 }
 
 function play(on) {
@@ -432,13 +535,24 @@ function pace() {
 function listen() {
   const view = one("view"), fingers = new Map();
   one("play").addEventListener("click", () => play(!now.playing));
-  one("restore").addEventListener("click", () => { restart(); recompute(); });
+  one("restore").addEventListener("click", () => { restart(); recompute(); link(); });
+  one("link").addEventListener("click", () => {
+    link(Number(timeAt(now.at).toPrecision(6)));
+    if (navigator.clipboard) navigator.clipboard.writeText(location.href).catch(() => {});
+    one("link").textContent = "Link in the address bar";
+    setTimeout(() => { one("link").textContent = "Link"; }, 2500);
+  });
+  window.addEventListener("hashchange", () => { const time = restart(location.hash); recompute(); arrive(time); });
+  one("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme !== "dark"));
+  one("chosen").addEventListener("change", () => { drawCurves(); now.dirty = true; });
+  one("whole").hidden = !document.fullscreenEnabled;
+  one("whole").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : document.querySelector("main").requestFullscreen()));
   one("home").addEventListener("click", () => { Object.assign(camera, home); now.dirty = true; });
   one("speed").addEventListener("input", pace);
   one("follow").addEventListener("change", () => { now.dirty = true; });
   one("time").addEventListener("input", (event) => { play(false); now.at = Number(event.target.value); now.dirty = true; });
   document.addEventListener("keydown", (event) => {
-    const busy = ["INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName);
+    const busy = ["INPUT", "BUTTON", "SUMMARY", "SELECT"].includes(event.target.tagName);
     if (busy || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
     KEYS[event.key]();
     event.preventDefault();
@@ -470,10 +584,9 @@ function later(at, span) {
   return Math.min(k + left / Math.abs(times[k + 1] - times[k]), times.length - 1);
 }
 
-// Of an address that ends in #t=12.5 the page stands at that instant.
-function arrive() {
-  const wanted = Number((/^#t=(.+)$/.exec(location.hash) || [])[1]);
-  if (!Number.isFinite(wanted)) return;
+// Of an address with t=12.5 the page stands at that instant.
+function arrive(wanted) {
+  if (wanted === null) return;
   play(false);
   now.at = later(0, Math.abs(wanted - now.motion.times[0]));
   draw();
@@ -510,11 +623,12 @@ function draw() {
   document.documentElement.dataset.drawn = now.frames;
 }
 
-restart();
+const asked = restart(location.hash);
 begin();
+theme(window.matchMedia("(prefers-color-scheme: dark)").matches);
 recompute();
 pace();
 resize();
 listen();
-arrive();
+arrive(asked);
 requestAnimationFrame(frame);
