@@ -37,6 +37,8 @@ STATE = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 RANGES = {"omega1": (-1, 1), "omega2": (-1, 1), "omega3": (-1, 1), "theta": (0.5, 2.5)}
 SMALL = 20_000
 """Motions of a sweep that is killed, in chunks of a hundred."""
+PATIENCE = 30.0
+"""Seconds within which a cluster starts a worker anew."""
 
 
 def draws(count: int) -> vo.Draws:
@@ -159,27 +161,36 @@ def opening(folder: Path, motions: int) -> list[list[str]]:
 
 def kills(folder: Path, count: int) -> list[list[str]]:
     """Kills at random moments; every file of the log and of the arrays is compared at the end."""
-    from distributed import LocalCluster
-
     chance, hit = random.Random(SEED), {"worker": 0, "sweep": 0}
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,
-                      silence_logs=50) as cluster:  # fmt: skip
-        whole, out = folder / "whole.zarr", folder / "killed.zarr"
+    whole, out, rounds = folder / "whole.zarr", folder / "killed.zarr", 0
+    with _cluster() as cluster:
         sweep_on_cluster(str(whole), cluster.scheduler_address)
-        rounds = 0
-        while sum(hit.values()) < count:
-            rounds += 1
-            shutil.rmtree(out, ignore_errors=True)
+    while sum(hit.values()) < count:
+        rounds += 1
+        shutil.rmtree(out, ignore_errors=True)
+        with _cluster() as cluster:
             while _chunks(out) * 100 < SMALL and sum(hit.values()) < count:
-                _one_kill(out, cluster, chance, hit)
+                if not _one_kill(out, cluster, chance, hit):
+                    break
+        with _cluster() as cluster:
             sweep_on_cluster(str(out), cluster.scheduler_address)
-            if _bytes(out) != _bytes(whole):
-                return [["kills", f"{hit}: bytes differ", "", "", "", ""]]
+        print(f"{hit}, in {rounds} sweeps", file=sys.stderr, flush=True)
+        if _bytes(out) != _bytes(whole):
+            return [["kills", f"{hit}: bytes differ", "", "", "", ""]]
     return [["kills", f"{sum(hit.values())}", f"{hit}, in {rounds} sweeps: the same bytes", "", "",
              ""]]  # fmt: skip
 
 
-def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int]) -> None:
+def _cluster() -> Any:
+    from distributed import LocalCluster
+
+    return LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    )  # fmt: skip
+
+
+def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int]) -> bool:
+    """Whether the cluster has both its workers: Dask gives up one that is killed at birth."""
     given = str(out), cluster.scheduler_address
     code = f"from figures.sweeps import sweep_on_cluster as go; go{given!r}"
     process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[1],
@@ -188,8 +199,10 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
     while process.poll() is None and _chunks(out) == before:
         time.sleep(0.02)
     time.sleep(chance.random())
-    while len(cluster.scheduler_info["workers"]) < 2:  # Dask gives up one that is killed at birth
+    limit = time.perf_counter() + PATIENCE
+    while len(cluster.scheduler_info["workers"]) < 2 and time.perf_counter() < limit:
         time.sleep(0.1)
+    both = len(cluster.scheduler_info["workers"]) == 2
     what = chance.choice(["worker", "sweep"])
     if process.poll() is None:
         targets = [w.pid for w in cluster.workers.values() if w.pid]
@@ -200,6 +213,7 @@ def _one_kill(out: Path, cluster: Any, chance: random.Random, hit: dict[str, int
         process.kill()
         hit["sweep"] += what == "worker"
     process.wait()
+    return both
 
 
 def _chunks(out: Path) -> int:
