@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from random import Random
 from typing import Any
 
 import flint
@@ -235,18 +236,27 @@ def _moving_factors(poly: Any, letters: _Letters) -> tuple[list[Any], bool]:
 
 
 def _dimension(basis: Sequence[Any], letters: _Letters) -> int | None:
-    """How many states are independent of one another and of all constants, by leading monomials."""
-    count = len(letters.states)
-    leading = [p.leading_monomial() if hasattr(p, "leading_monomial") else p.monoms()[0]
-               for p in basis]  # fmt: skip
-    held = [{i for i, k in enumerate(tuple(m)[:count]) if k} for m in leading]
-    if any(not h for h in held):
-        return None
+    """How many states are independent of one another where constants have general values, for which
+    random ones are taken; None where there are no solutions."""
+    count, random = len(letters.states), Random(1)
+    values = [flint.fmpq(random.randrange(2, 10**6), 997) for _ in letters.constants]
+    ring = flint.fmpq_mpoly_ctx.get([*letters.states], flint.Ordering.degrevlex)
+    special = []
+    for poly in basis:
+        found: dict[tuple[int, ...], Any] = {}
+        for m, c in poly.to_dict().items():
+            for value, power in zip(values, m[count:], strict=True):
+                c *= value ** int(power)
+            key = tuple(map(int, m[:count]))
+            found[key] = found.get(key, flint.fmpq(0)) + c
+        special.append(ring.from_dict({m: c for m, c in found.items() if c != 0}))
+    leading = [p.monoms()[0] for p in groebner_basis([p for p in special if p != 0], ring)]
+    held = [{i for i, k in enumerate(m) if k} for m in leading]
     for size in range(count, -1, -1):
         for chosen in combinations(range(count), size):
             if not any(h <= {*chosen} for h in held):
                 return size
-    return 0
+    return None
 
 
 def _matrices(
