@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from random import Random
 from typing import Any
 
 import flint
@@ -33,6 +34,8 @@ from voronec.errors import EngineLimit
 
 BRANCHES = 500
 """So many branches are looked at."""
+INVERSE = "inverse"
+"""A letter beside the states."""
 TERMS = 150
 """Equations of more terms in all are left to numbers."""
 SIZE = 8
@@ -188,7 +191,7 @@ def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
     found = [
         (basis, dimension)
         for basis in _branches(start, letters)
-        if (dimension := _dimension(basis, letters)) is not None
+        if (dimension := _dimension(basis, divisors, letters)) is not None
         and not any(reduce_by(d, basis) == 0 for d in divisors)
     ]
     found.sort(key=lambda pair: -pair[1])
@@ -234,19 +237,33 @@ def _moving_factors(poly: Any, letters: _Letters) -> tuple[list[Any], bool]:
     return moving, len(factors) > 1 or any(power > 1 for _, power in factors)
 
 
-def _dimension(basis: Sequence[Any], letters: _Letters) -> int | None:
-    """How many states are independent of one another and of all constants, by leading monomials."""
-    count = len(letters.states)
-    leading = [p.leading_monomial() if hasattr(p, "leading_monomial") else p.monoms()[0]
-               for p in basis]  # fmt: skip
-    held = [{i for i, k in enumerate(tuple(m)[:count]) if k} for m in leading]
-    if any(not h for h in held):
-        return None
-    for size in range(count, -1, -1):
-        for chosen in combinations(range(count), size):
+def _dimension(basis: Sequence[Any], divisors: Sequence[Any], letters: _Letters) -> int | None:
+    """How many states are independent of one another where constants have general values, for which
+    random ones are taken, off the zeros of divisors; None where there are no solutions."""
+    count, random = len(letters.states), Random(1)
+    values = [flint.fmpq(random.randrange(2, 10**6), 997) for _ in letters.constants]
+    ring = flint.fmpq_mpoly_ctx.get([*letters.states, INVERSE], flint.Ordering.degrevlex)
+    special = []
+    for poly in (*basis, *divisors):
+        found: dict[tuple[int, ...], Any] = {}
+        for m, c in poly.to_dict().items():
+            for value, power in zip(values, m[count:], strict=True):
+                c *= value ** int(power)
+            key = (*map(int, m[:count]), 0)
+            found[key] = found.get(key, flint.fmpq(0)) + c
+        special.append(ring.from_dict({m: c for m, c in found.items() if c != 0}))
+    whole = ring.gens()[-1]  # the inverse of the product of all divisors
+    for divisor in special[len(basis) :]:
+        whole *= divisor
+    polys = [*special[: len(basis)], whole - 1] if divisors else special
+    leading = [p.monoms()[0] for p in groebner_basis([p for p in polys if p != 0], ring)]
+    held = [{i for i, k in enumerate(m) if k} for m in leading]
+    wide = count + bool(divisors)
+    for size in range(wide, -1, -1):
+        for chosen in combinations(range(wide), size):
             if not any(h <= {*chosen} for h in held):
                 return size
-    return 0
+    return None
 
 
 def _matrices(
