@@ -208,7 +208,7 @@ class MotionRequest:
         return replace(there._integrate(made, self.method), system=own.system)
 
     def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
-        """In the own coordinates after all, where nothing better is to be had: on invariants more
+        """In the own coordinates after all, where there is nothing better: on invariants more
         digits are lost."""
         made = whole(self.namespace, self.outputs, self.functions)
         return self._integrate(made, self.method, near=near)
