@@ -68,7 +68,7 @@ class _Letters:
         """A polynomial of the ring."""
         letters = [sp.Symbol(n) for n in self.ring.names()]
         try:
-            poly = sp.Poly(sp.sympify(expr.xreplace(self.names)), *letters, domain="QQ")
+            poly = sp.Poly(expr.xreplace(self.names)._sympy_(), *letters, domain="QQ")
         except (sp.PolynomialError, sp.CoercionFailed):
             raise EngineLimit(f"'{expr}' is no polynomial in sines, states and constants") from None
         terms = {m: flint.fmpq(int(c.p), int(c.q)) for m, c in poly.as_dict().items()}
@@ -76,7 +76,7 @@ class _Letters:
 
     def write(self, poly: Any) -> sp.Expr:
         """An expression in SymPy's symbols, sines written out."""
-        back = {sp.Symbol(str(x)): sp.sympify(f) for f, x in self.names.items()}
+        back = {sp.Symbol(str(x)): f._sympy_() for f, x in self.names.items()}
         letters = [back.get(s, s) for s in map(sp.Symbol, self.ring.names())]
         terms = poly.to_dict().items()
         found = sp.Integer(0)
@@ -276,7 +276,7 @@ def _matrices(
     left = sp.eye(k + n)
     for i in range(n):
         for j in range(n):
-            left[k + i, k + j] = sp.sympify(mass[i][j])
+            left[k + i, k + j] = se.sympify(mass[i][j])._sympy_()
     own = states[:size]
-    slopes = [[sp.sympify(e.diff(x)) for x in own] for e in (*rates, *force)]
+    slopes = [[e.diff(x)._sympy_() for x in own] for e in (*rates, *force)]
     return left, sp.Matrix(slopes)

@@ -300,7 +300,7 @@ def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:
     where that is no number."""
     symbols = {s: as_symengine(at.get(str(s), 0)) for s in expr.free_symbols}
     try:
-        value = sp.sympify(expr.xreplace(symbols))
+        value = expr.xreplace(symbols)._sympy_()
     except (RuntimeError, TypeError, ValueError):
         return None
     return value if value.is_number and value.is_finite else None
