@@ -25,7 +25,7 @@ from voronec.declaration.system import System, require_system
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.exact_families import ExactFamily, exact_families
-from voronec.dynamics.families import SteadyFamily, follow
+from voronec.dynamics.families import SteadyFamily, steady_family
 from voronec.dynamics.newton import null_space, pivots, polish, solve
 from voronec.dynamics.spectrum import (
     SMALL,
@@ -191,7 +191,7 @@ class SteadyMotion:
         integrable constraints are always held.  ``DefinitionError`` where the quantity is
         constant along the family, or the family does not reach the span.
         """
-        return follow(self, over, between, hold, count)
+        return steady_family(self, over, between, hold, count)
 
     def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> SteadyChart:
         """How many eigenvalues lie on the right over two quantities, ``(name, low, high)`` each, at
