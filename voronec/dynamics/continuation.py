@@ -25,7 +25,7 @@ COMPLETE = "complete"
 """Why a curve ends that has come to the end of its span."""
 
 
-class Curve(Protocol):
+class ContinuationCurve(Protocol):
     """A curve of solutions y (n,), with entries of the sizes ``units`` (n,), over a quantity."""
 
     @property
@@ -50,7 +50,7 @@ class Curve(Protocol):
 
 
 def follow(
-    curve: Curve, start: np.ndarray, sign: float, span: tuple[float, float], step: float,
+    curve: ContinuationCurve, start: np.ndarray, sign: float, span: tuple[float, float], step: float,
     most: int, longest: float = np.inf, progress: Callable[[float], Any] | None = None,
 ) -> tuple[list[np.ndarray], str]:  # fmt: skip
     """Points of a curve behind ``start``, as long as the quantity is in the ``span``, and why they
@@ -58,7 +58,7 @@ def follow(
 
     At first the quantity grows with ``sign`` 1 and falls with -1.  A step changes it by about
     ``step`` and is no longer than ``longest`` in the units; there are ``most`` points at most.
-    ``progress`` is called with the share of ``most``.  Raises ``EngineLimit`` where no curve leads
+    ``progress`` is called with the quantity at each.  Raises ``EngineLimit`` where no curve leads
     through the start.
     """
     units, found = curve.units, list[np.ndarray]()
@@ -85,17 +85,19 @@ def follow(
         length = min(2 * length, _length(curve, y, t, step, longest))
         found.append(y)
         if progress is not None:
-            progress(len(found) / most)
+            progress(value)
     return found, f"{most} points were made"
 
 
-def _length(curve: Curve, y: np.ndarray, t: np.ndarray, step: float, longest: float) -> float:
+def _length(
+    curve: ContinuationCurve, y: np.ndarray, t: np.ndarray, step: float, longest: float
+) -> float:
     """The length of a step in which the quantity changes by ``step``, ``longest`` at most."""
     rate = abs(float(curve.slope(y) @ t))
     return min(longest, step / rate if rate > 0 else longest)
 
 
-def between(curve: Curve, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
+def between(curve: ContinuationCurve, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
     """The point of the curve at a share of the chord from a to b, two of its points."""
     found = curve.onto(a + share * (b - a), b - a)
     if found is None:
@@ -104,7 +106,7 @@ def between(curve: Curve, a: np.ndarray, b: np.ndarray, share: float) -> np.ndar
 
 
 def root_between(
-    curve: Curve, a: np.ndarray, b: np.ndarray, measure: Callable[[np.ndarray], float]
+    curve: ContinuationCurve, a: np.ndarray, b: np.ndarray, measure: Callable[[np.ndarray], float]
 ) -> np.ndarray | None:
     """The point of the curve between two at which a function vanishes; None where its signs at both
     are not opposite."""

@@ -23,7 +23,7 @@ from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
 from voronec.dynamics.continuation import COMPLETE, follow, root_between
-from voronec.dynamics.newton import null_space, pivots, polish, solve
+from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
 from voronec.dynamics.spectrum import (
     Deflation,
     balance,
@@ -220,7 +220,7 @@ class SteadyFamily:
             return x[-1]
 
     def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
-        curve = self.curve.pinned(value)
+        curve = self.curve.with_value(value)
         y = solve(curve.function, near, curve.units)
         if y is None:
             raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
@@ -241,7 +241,7 @@ class SteadyFamily:
                 f"the family has no motion with {self.over} = {x:g}; give a value between "
                 f"{self.values.min():g} and {self.values.max():g}"
             )
-        curve, near = self.curve.pinned(value), self.points[int(np.flatnonzero(inside)[0])]
+        curve, near = self.curve.with_value(value), self.points[int(np.flatnonzero(inside)[0])]
         y = solve(curve.function, near, curve.units)
         if y is None:
             raise IntegrationError(f"the family is lost at {self.over} = {x:g}", x, near)
@@ -308,22 +308,16 @@ class SolutionCurve:
 
     def onto(self, y: np.ndarray, across: np.ndarray) -> np.ndarray | None:
         """The point of the curve in the plane through y across a direction."""
-        row = across / self.units**2
+        return solve_across(self.function, y, across, self.units)
 
-        def function(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, slopes = self.function(z)
-            return np.append(value, row @ (z - y)), np.vstack([slopes, row])
-
-        return solve(function, y, self.units)
-
-    def pinned(self, value: Any) -> SolutionCurve:
+    def with_value(self, value: Any) -> SolutionCurve:
         """The point of the curve at which the quantity has a value, as the equations for it."""
         name, expr = self.equations.held[-1]
         return SolutionCurve(self.equations.fix({name: (expr, value)}), self.units, True)
 
     def at_value(self, value: Any, near: np.ndarray) -> np.ndarray | None:
         """The point with a value of the quantity, near a point."""
-        return solve(self.pinned(value).function, near, self.units)
+        return solve(self.with_value(value).function, near, self.units)
 
 
 def steady_family(
