@@ -50,8 +50,9 @@ class ContinuationCurve(Protocol):
 
 
 def follow(
-    curve: ContinuationCurve, start: np.ndarray, sign: float, span: tuple[float, float], step: float,
-    most: int, longest: float = np.inf, progress: Callable[[float], Any] | None = None,
+    curve: ContinuationCurve, start: np.ndarray, sign: float, span: tuple[float, float],
+    step: float, most: int, longest: float = np.inf,
+    progress: Callable[[float], Any] | None = None,
 ) -> tuple[list[np.ndarray], str]:  # fmt: skip
     """Points of a curve behind ``start``, as long as the quantity is in the ``span``, and why they
     end: ``COMPLETE``, or in words.

@@ -26,17 +26,15 @@ from voronec.dynamics.continuation import COMPLETE, follow, root_between
 from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
 from voronec.dynamics.spectrum import (
     Deflation,
-    balance,
     characteristic,
     conditions_in_doubles,
     discriminant,
     hurwitz,
-    in_order,
     to_mpf,
     unstable_count,
 )
 from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
-from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.request import number
 
 if TYPE_CHECKING:
@@ -124,23 +122,17 @@ class SteadyFamily:
     @cached_property
     def matrices(self) -> np.ndarray:
         """The matrices A (k, n, n) of dx' = A dx."""
-        n = self.curve.equations.size
-        return np.array([self.curve.function(y)[1][:n, :n] for y in self.points])
+        return np.array([self.curve.equations.matrix(y) for y in self.points])
 
     @cached_property
     def deflation(self) -> Deflation:
         """How many eigenvalues vanish all along: the fewest of all points."""
-        found = [Deflation.of(matrix) for matrix in self.matrices]
-        return min(found, key=lambda d: d.zeros)
+        return min(map(Deflation.of, self.matrices), key=lambda d: d.zeros)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
         """Those (k, m) that do not vanish all along, by real part, then imaginary part."""
-        return np.array([in_order(self._spectrum(matrix)) for matrix in self.matrices])
-
-    def _spectrum(self, matrix: np.ndarray) -> np.ndarray:
-        found: np.ndarray = np.linalg.eigvals(balance(self.deflation.remainder(matrix)))
-        return found
+        return np.array([self.deflation.eigenvalues(matrix) for matrix in self.matrices])
 
     @cached_property
     def unstable(self) -> np.ndarray:
@@ -180,23 +172,22 @@ class SteadyFamily:
         """That between the points k and k + 1; None where no condition changes its sign."""
         a, b = self.points[k : k + 2]
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
-        for way in self._in_doubles(a).keys() & self._in_doubles(b).keys():
+        for way in self._conditions(a).keys() & self._conditions(b).keys():
             if ((below - above) % 2 == 1) != (way == "real"):
                 continue
-            y = root_between(self.curve, a, b, partial(self._in_double, way))
+            y = root_between(self.curve, a, b, partial(self._condition, way))
             if y is not None:
                 exact, size = self._in_digits(way, y, a, b), float(np.ptp(self.values))
                 exact = exact if abs(exact) > 1e-14 * size else mp.mpf(0)
                 return Critical(float(exact), exact, way, below, above)
         return None
 
-    def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
+    def _conditions(self, y: np.ndarray) -> dict[str, float]:
         """What changes its sign at critical values, at a point of the curve."""
-        n = self.curve.equations.size
-        return conditions_in_doubles(self.deflation.remainder(self.curve.function(y)[1][:n, :n]))
+        return conditions_in_doubles(self.deflation.remainder(self.curve.equations.matrix(y)))
 
-    def _in_double(self, way: str, y: np.ndarray) -> float:
-        return self._in_doubles(y)[way]
+    def _condition(self, way: str, y: np.ndarray) -> float:
+        return self._conditions(y)[way]
 
     def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
         """Where a condition vanishes, by secants from what doubles tell; at a fold, where the
@@ -220,13 +211,10 @@ class SteadyFamily:
             return x[-1]
 
     def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
-        curve = self.curve.with_value(value)
-        y = solve(curve.function, near, curve.units)
-        if y is None:
-            raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
-        exact = polish(curve.equations, y, CRITICAL_BITS)
-        slopes = curve.equations.slopes_in_balls(exact, CRITICAL_BITS)
-        found = characteristic(slopes, curve.equations.size, self.deflation.zeros)
+        motion = self._motion_at(value, near)
+        exact = polish(motion.equations, motion.y, CRITICAL_BITS)
+        slopes = motion.equations.slopes_in_balls(exact, CRITICAL_BITS)
+        found = characteristic(slopes, motion.equations.size, self.deflation.zeros)
         found = [c.mid() for c in found]
         if way == "real":
             return to_mpf(found[0])
@@ -241,10 +229,16 @@ class SteadyFamily:
                 f"the family has no motion with {self.over} = {x:g}; give a value between "
                 f"{self.values.min():g} and {self.values.max():g}"
             )
-        curve, near = self.curve.with_value(value), self.points[int(np.flatnonzero(inside)[0])]
+        return self._motion_at(value, self.points[int(np.flatnonzero(inside)[0])])
+
+    def _motion_at(self, value: Any, near: np.ndarray) -> Any:
+        """The motion with a value of the quantity, near a point of the curve."""
+        curve = self.curve.with_value(value)
         y = solve(curve.function, near, curve.units)
         if y is None:
-            raise IntegrationError(f"the family is lost at {self.over} = {x:g}", x, near)
+            raise IntegrationError(
+                f"the family is lost at {self.over} = {float(value):g}", float(value), near
+            )
         return replace(self.motion, equations=curve.equations, y=y, units=curve.units)
 
     def plot(self) -> Figure:

@@ -30,8 +30,6 @@ from voronec.dynamics.newton import null_space, pivots, polish, solve
 from voronec.dynamics.spectrum import (
     SMALL,
     Deflation,
-    balance,
-    in_order,
     to_mpf,
     unstable_count,
 )
@@ -114,9 +112,7 @@ class SteadyMotion:
     @cached_property
     def matrix(self) -> np.ndarray:
         """A (n, n) of dx' = A dx, in the variables of the smallest formulation."""
-        n = self.equations.size
-        found: np.ndarray = self.equations.at(self.y)[1][:n, :n]
-        return found
+        return self.equations.matrix(self.y)
 
     @cached_property
     def deflation(self) -> Deflation:
@@ -127,7 +123,7 @@ class SteadyMotion:
     def spectrum(self) -> np.ndarray:
         """The eigenvalues (n - k,) that do not vanish for all motions of the family, complex, by
         real part, then imaginary part."""
-        return in_order(np.linalg.eigvals(balance(self.deflation.remainder(self.matrix))))
+        return self.deflation.eigenvalues(self.matrix)
 
     @property
     def zeros(self) -> int:

@@ -174,6 +174,10 @@ class SteadyEquations:
             self._recent[key] = self._at(y)
         return self._recent[key]
 
+    def matrix(self, y: np.ndarray) -> np.ndarray:
+        """The matrix A (n, n) of the linearisation dx' = A dx at a steady motion."""
+        return self.at(y)[1][: self.size, : self.size]
+
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
         try:
