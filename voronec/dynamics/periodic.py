@@ -33,12 +33,12 @@ import numpy as np
 from voronec.algebra.arguments import (
     CALLABLE,
     COUNT,
-    REAL,
+    OPTIONAL_COUNT,
+    OPTIONAL_REAL,
+    OPTIONAL_TEXT,
     SEVERAL,
-    TEXT,
     TOLERANCE,
     VALUES,
-    Kind,
     accepts,
 )
 from voronec.algebra.typeset import html_table
@@ -72,9 +72,6 @@ RECENT = 8
 """The flow along so many orbits is kept: equations, tangents and multipliers ask for it again."""
 COARSE = 1e-9
 """The tolerance with which guesses and pictures are computed."""
-_OPTIONAL_REAL = Kind(REAL.words, REAL.fits, optional=True)
-_OPTIONAL_COUNT = Kind(COUNT.words, COUNT.fits, optional=True)
-_OPTIONAL_TEXT = Kind(TEXT.words, TEXT.fits, optional=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,8 +193,8 @@ class OrbitFamily:
 
 
 @accepts(
-    initial=VALUES, period=_OPTIONAL_REAL, parameters=VALUES, inputs=VALUES, variables=SEVERAL,
-    hold=SEVERAL, along=_OPTIONAL_TEXT, to=_OPTIONAL_REAL, points=COUNT, segments=_OPTIONAL_COUNT,
+    initial=VALUES, period=OPTIONAL_REAL, parameters=VALUES, inputs=VALUES, variables=SEVERAL,
+    hold=SEVERAL, along=OPTIONAL_TEXT, to=OPTIONAL_REAL, points=COUNT, segments=OPTIONAL_COUNT,
     tol=TOLERANCE, progress=CALLABLE,
 )  # fmt: skip
 def periodic(
