@@ -131,6 +131,9 @@ def test_periods_double_where_mathieu_functions_say() -> None:
     assert sorted(c.value for c in family.doublings) == pytest.approx(expected, abs=1e-9)
     inside = [expected[0] < d < expected[1] for d in family["delta"]]
     assert [o.stability == "unstable" for o in family] == inside
+    assert [line.get_xdata()[0] for line in family.plot().axes[2].lines[-2:]] == [
+        c.value for c in family.doublings
+    ]
     for orbit in family:
         assert orbit.period == pytest.approx(2 * np.pi, abs=1e-9)
         assert abs(np.prod(orbit.multipliers) - 1) < 1e-9  # areas are preserved

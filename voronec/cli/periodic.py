@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import re
 from argparse import Namespace
-from typing import TYPE_CHECKING, Any
 
 from voronec.algebra.columns import columns
 from voronec.cli.output import answer, progress, progress_line
 from voronec.cli.values import BETWEEN, finite, motion_of, name_and_value, outputs_of, tolerance
-
-if TYPE_CHECKING:
-    from voronec.dynamics.periodic import PeriodicOrbit
 
 
 def execute(arguments: Namespace) -> int:
@@ -33,13 +29,7 @@ def execute(arguments: Namespace) -> int:
             points=arguments.points, segments=arguments.segments, tol=tol,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the family"), **given,
         )  # fmt: skip
-    bifurcations = [{"multiplier": c.at, "value": c.value, "period": c.orbit.period}
-                 for c in found.bifurcations]  # fmt: skip
-    data = {
-        "system": system.name, "scene": given["scene"], "along": along, "ended": found.ended,
-        "orbits": [_data(orbit) for orbit in found], "bifurcations": bifurcations,
-        "seconds": found.seconds,
-    }  # fmt: skip
+    data = {**found.as_dict(), "scene": given["scene"], "along": along}
     lines = [f"{system.name}: a periodic orbit", *found.orbits[0].lines()]
     if along is not None:
         rows = [[f"{along} = {orbit[along]:.8g}", f"period {orbit.period:.10g}", orbit.stability,
@@ -51,14 +41,3 @@ def execute(arguments: Namespace) -> int:
             lines.append(f"a multiplier passes {c.at} at {along} = {c.value:.12g}{doubles}")
     answer(arguments.json, lambda: data, lines)
     return 0
-
-
-def _data(orbit: PeriodicOrbit) -> dict[str, Any]:
-    """An orbit as JSON has it; a complex number is a pair."""
-    return {
-        "period": orbit.period, "closure": orbit.closure, "stability": orbit.stability,
-        "state": dict(zip(orbit.variables, orbit.state.tolist(), strict=True)),
-        "constants": dict(orbit.constants), "turns": orbit.turns.tolist(),
-        "multipliers": [[z.real, z.imag] for z in orbit.multipliers.astype(complex)],
-        "trivial": len(orbit.trivial), "trivial_defect": orbit.trivial_defect,
-    }  # fmt: skip

@@ -58,18 +58,14 @@ def _value(text: str, option: str) -> tuple[str, Any]:
 
 def lines_of(motion: SteadyMotion) -> list[str]:
     """One motion in words: its point, its family, its eigenvalues."""
+    from voronec.dynamics.spectrum import number_text
+
     size = f"a family of dimension {motion.dimension}" if motion.dimension else "isolated"
     over = f", told apart by {', '.join(motion.free)}" if motion.free else ""
     point = [[f"  {name}", f"{value:.10g}"] for name, value in motion.point.items()]
-    values = ", ".join(map(_complex, motion.spectrum)) or "none"
+    values = ", ".join(map(number_text, motion.spectrum)) or "none"
     return [
         f"{motion.kind}, {size}{over}; {motion.verdict}",
         *columns(point),
         f"  eigenvalues: {values}; and {motion.zeros} that vanish",
     ]
-
-
-def _complex(value: Any) -> str:
-    size = abs(value) or 1.0
-    real, imaginary = (0.0 if abs(x) < 1e-9 * size else x for x in (value.real, value.imag))
-    return f"{real:.7g}" if imaginary == 0 else f"{real:.7g}{imaginary:+.7g}i"

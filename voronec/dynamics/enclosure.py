@@ -25,7 +25,7 @@ from voronec.errors import EngineLimit
 from voronec.motion.verify import is_proved
 
 BITS = 160
-"""At work: 48 digits."""
+"""Bits of the balls: 48 digits."""
 
 
 def enclosed_on_right(

@@ -313,25 +313,25 @@ class _Stretches:
         """Follow a motion stretch by stretch until its bars are as ``asked``, or to ``latest``."""
         flow.go(state, latest / FIRST_LOOK, values, tol, EVERY, STRETCH)
         length, begin = state.time, state.time
-        told, look = [np.array([*state.logs, state.divergence])], FIRST_LOOK
+        sums, enough = [np.array([*state.logs, state.divergence])], FIRST_LOOK
         while True:
-            end = begin + length * len(told)
+            end = begin + length * len(sums)
             if not flow.go(state, end, values, tol, EVERY, LONGEST_STRETCH * STRETCH):
                 raise flow.failure(state)
-            told.append(np.array([*state.logs, state.divergence]))
-            if len(told) > look or state.time >= latest:
-                found = cls.of(np.array(told), length)
+            sums.append(np.array([*state.logs, state.divergence]))
+            if len(sums) > enough or state.time >= latest:
+                found = cls.of(np.array(sums), length)
                 if state.time >= latest or (found.bar <= asked).all():
                     return found
-                look = int(LATER * look)
+                enough = int(LATER * enough)
 
     @classmethod
-    def of(cls, told: np.ndarray, length: float) -> _Stretches:
+    def of(cls, sums: np.ndarray, length: float) -> _Stretches:
         """From logarithms and divergence (m + 1, k + 1) at the ends of m stretches."""
-        most = PARTS * max((len(told) - 1) // (2 * PARTS), 1)
-        last = told[-1 - most :: most // PARTS]
+        most = PARTS * max((len(sums) - 1) // (2 * PARTS), 1)
+        last = sums[-1 - most :: most // PARTS]
         parts = np.diff(last, axis=0) / (length * (most // PARTS))
-        quarter = told[-1 - most] - told[-1 - most - most // 2]
+        quarter = sums[-1 - most] - sums[-1 - most - most // 2]
         mean = parts.mean(axis=0)
         spread = 2 * parts.std(axis=0, ddof=1) / np.sqrt(PARTS)
         moved = np.maximum(np.abs(mean - quarter / (length * (most // 2))),

@@ -45,11 +45,12 @@ LONGEST = 0.25
 TIMES = 20
 """A family has at most so many times the points that were asked for."""
 CRITICAL_BITS = 200
-"""At work on critical values: 60 digits, of which a determinant leaves 30."""
+"""Bits of the balls in which critical values are computed: 60 digits, of which a determinant may
+lose half."""
 FLAT = 1e-4
 """Where the quantity changes by less than this along the curve, in the units, there is a fold."""
 MOST_SECANTS = 8
-"""Secants from eight digits on reach thirty in three steps."""
+"""The most steps of the secant method: from eight digits three steps lead to thirty."""
 WAYS = {
     "real": "a real eigenvalue passes through zero",
     "pair": "a pair crosses the imaginary axis",
@@ -75,11 +76,13 @@ class Critical:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadyFamily:
-    """Steady motions in which a quantity ``over`` changes, ``held`` ones do not.
+    """A family of steady motions along which the quantity ``over`` changes, and those ``held`` are
+    constant.
 
     ``motion`` is the one from which it was followed.  ``values`` (k,) are those of the quantity,
-    ``points`` (k, n) those of ``names``, in the order of the curve; ``folds`` and
-    ``branch_points`` those of the quantity there.  ``ends`` tells why the curve ends where it does.
+    ``points`` (k, n) those of the variables ``names``, in the order of the curve; ``folds`` and
+    ``branch_points`` are values of the quantity.  ``ends`` says why the curve ends on either side:
+    ``complete`` where it has come to the end of the span.
     """
 
     motion: Any
@@ -98,7 +101,7 @@ class SteadyFamily:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the columns of the points are."""
+        """The names of the variables, one for each column of ``points``."""
         return self.curve.equations.names
 
     def __len__(self) -> int:
@@ -126,17 +129,18 @@ class SteadyFamily:
 
     @cached_property
     def deflation(self) -> Deflation:
-        """How many eigenvalues vanish all along: the fewest of all points."""
+        """The eigenvalues that vanish along the whole family: the fewest that vanish at a point."""
         return min(map(Deflation.of, self.matrices), key=lambda d: d.zeros)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Those (k, m) that do not vanish all along, by real part, then imaginary part."""
+        """The eigenvalues (k, m) of each motion, without those that vanish along the whole family,
+        by real part, then imaginary part."""
         return np.array([self.deflation.eigenvalues(matrix) for matrix in self.matrices])
 
     @cached_property
     def unstable(self) -> np.ndarray:
-        """How many (k,) of them lie right of the imaginary axis."""
+        """How many eigenvalues (k,) of each motion lie right of the imaginary axis."""
         return np.array([unstable_count(row) for row in self.eigenvalues])
 
     @cached_property
@@ -169,7 +173,8 @@ class SteadyFamily:
         return tuple(c for c in found if c is not None)
 
     def _critical(self, k: int) -> Critical | None:
-        """That between the points k and k + 1; None where no condition changes its sign."""
+        """The critical value between the points k and k + 1; None where no condition changes its
+        sign."""
         a, b = self.points[k : k + 2]
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
         for way in self._conditions(a).keys() & self._conditions(b).keys():

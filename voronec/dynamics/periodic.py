@@ -26,7 +26,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 from itertools import pairwise
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -47,9 +47,13 @@ from voronec.declaration.system import System
 from voronec.dynamics.continuation import COMPLETE, follow, root_between
 from voronec.dynamics.newton import null_space, solve, solve_across
 from voronec.dynamics.phase_space import PhaseSpace
+from voronec.dynamics.spectrum import number_text
 from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CLOSURE = 1e-10
 """An orbit closes to this part of the sizes of its variables."""
@@ -107,14 +111,18 @@ class PeriodicOrbit:
         return known[name]
 
     @property
+    def unstable(self) -> int:
+        """How many multipliers lie outside of the unit circle."""
+        return int((np.abs(self.multipliers) > 1 + MARGIN).sum())
+
+    @property
     def stability(self) -> str:
         """``unstable`` where a multiplier lies outside of the unit circle; ``asymptotically
         stable``, as an orbit on the level of the constants, where all but the trivial ones lie
         inside; ``spectrally stable`` else, which is no stability."""
-        sizes = np.abs(self.multipliers)
-        if (sizes > 1 + MARGIN).any():
+        if self.unstable:
             return "unstable"
-        inside = len(sizes) and (sizes < 1 - MARGIN).all()
+        inside = len(self.multipliers) and (np.abs(self.multipliers) < 1 - MARGIN).all()
         return "asymptotically stable" if inside else "spectrally stable"
 
     @property
@@ -128,7 +136,7 @@ class PeriodicOrbit:
             f"{n} = {x:.10g}" for n, x in zip(self.variables, self.state, strict=True)
         )
         kept = ", ".join(f"{n} = {x:.10g}" for n, x in self.constants.items())
-        others = ", ".join(_number(z) for z in self.multipliers) or "none"
+        others = ", ".join(number_text(z) for z in self.multipliers) or "none"
         return [
             f"period {self.period:.12g}, closed to {self.closure:.1e}; {self.stability}",
             f"through {point}",
@@ -137,18 +145,22 @@ class PeriodicOrbit:
             f"and {len(self.trivial)} trivial ones, 1 to {self.trivial_defect:.1e}",
         ]
 
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it; a complex number is a pair."""
+        return {
+            "period": self.period, "closure": self.closure, "stability": self.stability,
+            "state": dict(zip(self.variables, self.state.tolist(), strict=True)),
+            "constants": dict(self.constants), "turns": self.turns.tolist(),
+            "multipliers": [[z.real, z.imag] for z in self.multipliers.astype(complex)],
+            "trivial": len(self.trivial), "trivial_defect": self.trivial_defect,
+        }  # fmt: skip
+
     def __repr__(self) -> str:
         words = f"period {self.period:.8g}, {self.stability}"
         return f"PeriodicOrbit({self.system.name!r}, {words})"
 
     def _repr_html_(self) -> str:
         return html_table(repr(self), [(str(i), line) for i, line in enumerate(self.lines())])
-
-
-def _number(z: complex) -> str:
-    if abs(z.imag) < 1e-14 * abs(z):
-        return f"{z.real:.9g}"
-    return f"{z.real:.9g}{z.imag:+.9g}i"
 
 
 class Bifurcation(NamedTuple):
@@ -185,6 +197,21 @@ class OrbitFamily:
     def __getitem__(self, name: str) -> np.ndarray:
         """A variable, a constant or ``period`` along the family."""
         return np.array([orbit[name] for orbit in self.orbits])
+
+    def plot(self) -> Figure:
+        """The orbits in the plane of two variables, their periods and multipliers."""
+        from voronec.dynamics.pictures import orbits_figure
+
+        return orbits_figure(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What JSON can hold of it."""
+        return {
+            "system": self.orbits[0].system.name, "along": self.along, "ended": self.ended,
+            "orbits": [orbit.as_dict() for orbit in self], "seconds": self.seconds,
+            "bifurcations": [{"multiplier": c.at, "value": c.value, "period": c.orbit.period}
+                             for c in self.bifurcations],
+        }  # fmt: skip
 
     def __repr__(self) -> str:
         first, last = self[self.along][[0, -1]]

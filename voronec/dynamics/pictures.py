@@ -1,4 +1,5 @@
-"""Pictures of steady motions for print: a family with its stability, its eigenvalues, charts."""
+"""Pictures for print: families of steady motions with their stability and eigenvalues, charts,
+families of periodic orbits with their multipliers."""
 
 from __future__ import annotations
 
@@ -70,6 +71,32 @@ def _draw_states(panel: Any, family: Any) -> None:
         panel.set_ylim(-1, 1)
     panel.set(xlabel=_label(family.over))
     panel.legend(fontsize=6, frameon=False, handlelength=1.6, labelspacing=0.3)
+
+
+def orbits_figure(family: Any) -> Figure:
+    """Orbits in the plane of the two variables that change most, unstable ones in other colours;
+    their periods, and the sizes of their multipliers, over what the family is followed along."""
+    with figure_in_style(WIDTH, 2.6) as figure:
+        left, middle, right = figure.subplots(1, 3)
+        names, x = family.orbits[0].variables, family[family.along]
+        spans = sum(np.ptp(orbit.path, axis=0) for orbit in family)
+        i, j = sorted(np.argsort(-spans, kind="stable")[:2]) if len(names) > 1 else (0, 0)
+        for orbit in family:
+            colour = COLOURS[min(orbit.unstable, 4)]
+            left.plot(orbit.path[:, i], orbit.path[:, j], color=colour, linewidth=0.7)
+        left.set(xlabel=_label(names[i]), ylabel=_label(names[j]))
+        middle.plot(x, family["period"], ".-", color=INK, markersize=3, linewidth=0.7)
+        middle.set(xlabel=_label(family.along), ylabel="period")
+        right.axhline(1, color=SOFT, linewidth=0.6)
+        for value, orbit in zip(x, family, strict=True):
+            sizes = np.abs(orbit.multipliers)
+            right.plot(np.full(len(sizes), value), sizes, ".", color=INK, markersize=3)
+        for found in family.bifurcations:
+            right.axvline(found.value, color=MARK, linewidth=0.7, linestyle="--")
+        right.set(xlabel=_label(family.along), ylabel=r"$|\mu|$")
+        for panel in (left, middle, right):
+            panel.tick_params(labelsize=8)
+    return figure
 
 
 def _label(name: str) -> str:

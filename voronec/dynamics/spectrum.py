@@ -28,7 +28,8 @@ EVEN = 1e-10
 
 @dataclass(frozen=True)
 class Deflation:
-    """How many zeros each round takes out."""
+    """The zero eigenvalues that are taken out of a matrix, one null space after another: ``counts``
+    are the dimensions of these."""
 
     counts: tuple[int, ...]
 
@@ -39,7 +40,7 @@ class Deflation:
 
     @classmethod
     def of(cls, matrix: np.ndarray) -> Deflation:
-        """That of a matrix (n, n), as its ranks tell."""
+        """All zero eigenvalues of a matrix (n, n), by its rank and those of its remainders."""
         counts: list[int] = []
         scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 0.0
         while matrix.size:
@@ -53,7 +54,7 @@ class Deflation:
         return cls(tuple(counts))
 
     def remainder(self, matrix: np.ndarray) -> np.ndarray:
-        """What is left of a matrix without so many zeros."""
+        """The matrix on the complements of the null spaces, from which they are taken out."""
         for zeros in self.counts:
             _, sizes, right = np.linalg.svd(matrix)
             kept = right[: len(sizes) - zeros]
@@ -150,6 +151,12 @@ def root_on_right(coefficients: Sequence[Any], near: complex, bits: int) -> Any 
             return None
         found = middle - poly(middle) / slope(ball)
         return found if ball.contains(found) and found.real > 0 else None
+
+
+def number_text(z: complex) -> str:
+    """A complex number in nine digits; parts that are rounding are left out."""
+    real, imaginary = (x if abs(x) > 1e-9 * abs(z) else 0.0 for x in (z.real, z.imag))
+    return f"{real:.9g}" + (f"{imaginary:+.9g}i" if imaginary else "")
 
 
 def unstable_count(values: np.ndarray) -> int:

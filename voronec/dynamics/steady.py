@@ -26,7 +26,7 @@ from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
-from voronec.dynamics.newton import null_space, pivots, polish, solve
+from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
 from voronec.dynamics.spectrum import (
     SMALL,
     Deflation,
@@ -97,13 +97,7 @@ class SteadyMotion:
             return self.kernel
         weights = np.random.default_rng(0).normal(size=self.kernel.shape[1])
         step = NEARBY * self.kernel @ (weights / np.linalg.norm(weights))
-        row = step / self.units**2
-
-        def across(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, slopes = self.equations.at(z)
-            return np.append(value, row @ (z - self.y - step)), np.vstack([slopes, row])
-
-        near = solve(across, self.y + step, self.units)
+        near = solve_across(self.equations.at, self.y + step, step, self.units)
         if near is None:
             return self.kernel[:, :0]
         if np.linalg.norm((near - self.y - step) / self.units) < NEARBY / 10:
@@ -433,7 +427,8 @@ def roots_of(equations: SteadyEquations) -> list[int]:
 
 
 def angles_of(equations: SteadyEquations, units: np.ndarray) -> list[int]:
-    """The positions of states that are angles: a whole turn changes no equation at a random point."""
+    """The positions of states that are angles: a whole turn of them changes no equation at a random
+    point."""
     y = np.random.default_rng(0).normal(size=len(units)) * units
     there, turns = equations.at(y)[0], 2 * np.pi * np.eye(len(units))[: equations.size]
     off = [np.abs(equations.at(y + turn)[0] - there).max() for turn in turns]

@@ -88,19 +88,19 @@ class SteadyEquations:
         return tuple(str(p) for p in own if str(p) not in frozen)
 
     def with_unknowns(self, names: Iterable[str]) -> SteadyEquations:
-        """Those in which further constants are to be found."""
+        """The equations with further constants among the unknowns."""
         more = tuple(se.Symbol(n) for n in names if n not in self.names)
         return replace(self, unknowns=(*self.unknowns, *more)) if more else self
 
     def fix(self, given: Mapping[str, tuple[Any, Any]]) -> SteadyEquations:
-        """Those in which further expressions have values: {name: (expression, value)}."""
+        """The equations in which further expressions are held: {name: (expression, value)}."""
         more = {name: e for name, (e, _) in given.items()}
         held = {**dict(self.held), **more}
         values = {**self.targets, **{name: x for name, (_, x) in given.items()}}
         return replace(self, held=tuple(held.items()), targets=values)
 
     def only_leaves(self, but: Collection[str] = ()) -> SteadyEquations:
-        """Those in which leaf functions alone are held, but for some."""
+        """The equations in which leaf functions alone are held, but those named ``but``."""
         held = (pair for pair in self.held if pair[0] in self.leaves and pair[0] not in but)
         return replace(self, held=tuple(held))
 
