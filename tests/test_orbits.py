@@ -4,6 +4,7 @@ numbers, against closed forms, finite differences in many digits and published v
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import mpmath as mp
@@ -181,13 +182,16 @@ def test_multiple_shooting_finds_what_single_shooting_does() -> None:
     assert one["energy"] == pytest.approx(0.3**2 / 2 - 0.3**3 / 3, abs=1e-12)
 
 
-def test_a_family_of_the_falling_disc_keeps_its_trivial_multipliers() -> None:
+def test_a_family_of_the_falling_disc_keeps_its_trivial_multipliers(tmp_path: Path) -> None:
     family = vo.periodic(vo.load("falling-disc"), along="R", to=1.1, points=4)
     assert family["R"][0] == pytest.approx(1.0)
     assert family["R"][-1] == pytest.approx(1.1)
     assert max(orbit.closure for orbit in family) < 1e-10
     assert max(orbit.trivial_defect for orbit in family) < 1e-8
     assert {len(orbit.trivial) for orbit in family} == {4}  # flow, energy, relation, R
+    table = np.genfromtxt(family.save(tmp_path / "family.csv"), delimiter=",", names=True)
+    assert [*table["R"]] == [*family["R"]]
+    assert [*table["period"]] == [*family["period"]]
 
 
 @pytest.mark.slow

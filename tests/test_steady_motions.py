@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import mpmath as mp
@@ -69,7 +70,7 @@ def test_roots_are_not_negative() -> None:
         assert motion.point["height"] > 0
 
 
-def test_the_critical_spin_of_a_rolling_disc() -> None:
+def test_the_critical_spin_of_a_rolling_disc(tmp_path: Path) -> None:
     # s^2 = m g R A/(C (C + m R^2)) = 1/3
     found = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 2}).along("s", (0, 3), hold="q")
     (critical,) = found.critical
@@ -77,6 +78,9 @@ def test_the_critical_spin_of_a_rolling_disc() -> None:
     with mp.workdps(30):
         assert abs(critical.exact - 1 / mp.sqrt(3)) < 1e-25
     assert {*found.unstable} == {0, 1}
+    table = np.genfromtxt(found.save(tmp_path / "family.csv"), delimiter=",", names=True)
+    assert [*table["s"]] == [*found.values]
+    assert [*table["unstable_eigenvalues"]] == [*found.unstable]
 
 
 def test_the_critical_spin_of_a_disc_on_its_edge_turning_about_the_vertical() -> None:

@@ -46,14 +46,7 @@ def _write(found: SteadyFamily, workshop: Path) -> None:
     from voronec.motion.pictures.run_pictures import save
 
     save(found.plot(), workshop / "family.svg")
-    own = [i for i, name in enumerate(found.names) if name != found.over]
-    names = [found.over, *(found.names[i] for i in own), "unstable"]
-    rows = [
-        [*map(repr, map(float, (x, *point[own]))), str(count)]
-        for x, point, count in zip(found.values, found.points, found.unstable, strict=True)
-    ]
-    text = "\n".join(",".join(row) for row in [names, *rows]) + "\n"
-    (workshop / "family.csv").write_text(text, encoding="utf-8")
+    found.save(workshop / "family.csv")
 
 
 def _lines(found: SteadyFamily) -> list[str]:

@@ -8,10 +8,12 @@ sign.  A critical value is where the number of eigenvalues right of the imaginar
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import flint
@@ -251,6 +253,17 @@ class SteadyFamily:
         from voronec.dynamics.pictures import family_figure
 
         return family_figure(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the family to ``path``, as ``Trajectory.save`` does: a row for each motion."""
+        from voronec.motion.storage import NamedArrays
+
+        columns = {self.over: self.values, **dict(zip(self.names, self.points.T, strict=True))}
+        columns["unstable eigenvalues"] = self.unstable
+        rows = {name: (("motion",), values) for name, values in columns.items()}
+        return NamedArrays.of(self.system, "SteadyFamily", rows, ("motion",), (*columns,)).save(
+            path
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """What JSON can hold of it."""

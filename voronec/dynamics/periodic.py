@@ -21,10 +21,12 @@ apart by their size, and those at 1 keep their digits, which the Jordan blocks o
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 from itertools import pairwise
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -203,6 +205,16 @@ class OrbitFamily:
         from voronec.dynamics.pictures import orbits_figure
 
         return orbits_figure(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the family to ``path``, as ``Trajectory.save`` does: a row for each orbit."""
+        from voronec.motion.storage import NamedArrays
+
+        system, names = self.orbits[0].system, self.orbits[0].variables
+        columns = {name: self[name] for name in (self.along, "period", *names)}
+        columns["unstable multipliers"] = np.array([orbit.unstable for orbit in self])
+        rows = {name: (("orbit",), values) for name, values in columns.items()}
+        return NamedArrays.of(system, "OrbitFamily", rows, ("orbit",), (*columns,)).save(path)
 
     def as_dict(self) -> dict[str, Any]:
         """What JSON can hold of it."""
