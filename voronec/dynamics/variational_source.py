@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from voronec.motion.steppers import DOP853, FIRST_GROWTH
+from voronec.motion.steppers import DOP853, FIRST_GROWTH, growth_source
 
 LAST = len(DOP853.weights)
 """The place of the slope at the end of a step."""
@@ -38,7 +38,8 @@ def flow_source(right: str, n: int, k: int, places: Sequence[tuple[int, int]]) -
         "right": right, "N": str(n), "K": str(k), "entries": str(n + len(places)),
         "trace": trace, "rows": "\n".join(rows), "stages": "\n".join(stages),
         "step": _sum(DOP853.step), "fifth": _sum(DOP853.fifth), "third": _sum(DOP853.third),
-        "slopes": str(LAST + 1), "last": str(LAST), "growth": repr(FIRST_GROWTH),
+        "slopes": str(LAST + 1), "last": str(LAST), "growth": growth_source(),
+        "first_growth": repr(FIRST_GROWTH),
         "ARRIVAL": str(ARRIVAL), "LIMIT": str(LIMIT), "NO_STEP": str(NO_STEP),
     }  # fmt: skip
     text = _SOURCE
@@ -58,7 +59,7 @@ def _each(line: str) -> str:
 _SOURCE = """#define rhs static joint
 <right>
 #undef rhs
-#include <math.h>
+<growth>
 #define N <N>
 #define K <K>
 #define M (N + 1 + N*K)
@@ -107,7 +108,7 @@ long long drive(double *clock, double *z, const double *parameters, const double
             steep = fmax(steep, fabs(k[0][i])*share);
         }
         size = steep > 0.0 ? 0.01*fmax(below, 0.1)/steep : 1.0;
-        last = <growth>;
+        last = <first_growth>;
     }
     for (long long steps = 0; steps < limit;) {
         if (t == end) { outcome = <ARRIVAL>; break; }
@@ -136,9 +137,7 @@ long long drive(double *clock, double *z, const double *parameters, const double
         }
         const double ease = error > 0.0 ? 0.9*pow(error, -0.125) : 10.0;
         const double factor = fmin(rejected ? 1.0 : 10.0, ease);
-        const double before = 1.0/(0.81*fmin(last, 2.8));
-        const double grown = fmin(0.887*sqrt(sqrt(factor*factor*factor*before)),
-                                  rejected ? 1.0 : 10.0);
+        const double grown = growth(factor, last, rejected);
         if (!cut || grown < 1.0) size = fabs(h)*grown;
         last = factor;
         rejected = 0;

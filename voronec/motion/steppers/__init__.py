@@ -1,6 +1,6 @@
 """The integrators behind one shape: a problem and a grid of times in, a run out."""
 
-from voronec.motion.steppers.c_stepper import c_loop
+from voronec.motion.steppers.c_stepper import c_loop, growth_source
 from voronec.motion.steppers.dop853_source import DOP853, FIRST_GROWTH
 from voronec.motion.steppers.event_states import make_with_event_states, narrow, widen, with_parts
 from voronec.motion.steppers.feedback import MEND, ControllerFailure, Feedback
@@ -99,8 +99,8 @@ __all__ = [
     "Suspect", "Termination", "Ticker", "TurnCount", "WideBatch", "balance", "blind_lanes",
     "by_owner", "c_loop", "compiled_dop853", "compiled_loop", "constants_along", "crossing_arrays",
     "cut_at_singularity", "digits", "dop853", "dop853_leap", "dop853_steps",
-    "estimated_steps", "exact_mpf", "field_of", "held_integrator", "heyoka", "in_kind", "in_parts",
-    "kept_library", "long_steps", "lsoda", "make_with_event_states", "narrow", "natural_units",
+    "estimated_steps", "exact_mpf", "field_of", "growth_source", "held_integrator", "heyoka", "in_kind",
+    "in_parts", "kept_library", "long_steps", "lsoda", "make_with_event_states", "narrow", "natural_units",
     "parameter_count", "part_at", "reach_of_series", "restart", "scales_of", "series_samples",
     "spread", "taylor", "taylor_leap", "uneven_steps", "unit_parameters", "units_of_many", "until",
     "values_along", "widen", "with_parts",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import ctypes
+import inspect
 import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from voronec.equations.program import Program, c_source, hoist
-from voronec.motion.steppers.dop853_source import stepping_key, stepping_source
+from voronec.motion.steppers.dop853_source import growth, stepping_key, stepping_source
 from voronec.motion.steppers.kept_code import kept_library
 
 ARRAYS = {
@@ -47,11 +48,12 @@ INLINE = f"""#if defined(__GNUC__)
 #define {BESIDE} static
 #endif
 """
-HEAD = """#include <math.h>
-#define N {n}
+EXTREMES = """#include <math.h>
+static double smaller(double a, double b) { return b < a ? b : a; }
+static double larger(double a, double b) { return b > a ? b : a; }
+"""
+HEAD = """#define N {n}
 typedef long long integer;
-static double smaller(double a, double b) {{ return b < a ? b : a; }}
-static double larger(double a, double b) {{ return b > a ? b : a; }}
 void levels(double t, const double *state, const double *parameters, double *result);
 """
 
@@ -80,6 +82,13 @@ def c_loop(program: Program, levels: Program | None = None) -> Callable[..., int
     return run
 
 
+def growth_source() -> str:
+    """The function ``growth`` of ``dop853_source`` in C, with what it calls."""
+    tree = ast.parse(inspect.getsource(growth)).body[0]
+    assert isinstance(tree, ast.FunctionDef)
+    return EXTREMES + _Function(tree, 0).text()
+
+
 def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> dict[str, str]:
     """Files of C by name: the loop with the right side, and functions of events apart."""
     n, m = len(program.state), len(levels.names) if levels is not None else 0
@@ -88,7 +97,7 @@ def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> 
     tree = ast.parse(stepping_source(n, m))
     functions = [f for f in tree.body if isinstance(f, ast.FunctionDef)]
     body = "\n".join(_Function(f, max(n, m)).text() for f in functions)
-    found = {"drive.c": INLINE + right + HEAD.format(n=n) + body}
+    found = {"drive.c": INLINE + right + EXTREMES + HEAD.format(n=n) + body}
     if levels is not None:  # its own rates are not wanted
         found["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
     return found
