@@ -61,19 +61,17 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
         ),
     )
     points: dict[tuple[int, ...], np.ndarray] = {}
-    shape: Deflation | None = None
+    matrices: dict[tuple[int, ...], np.ndarray] = {}
     for i, j in order:
         near = [points[n] for n in ((i, j - 1), (i, j + 1), (i - 1, j), (i + 1, j)) if n in points]
         at = {x_name: float(xs[j]), y_name: float(ys[i])}
         node = equations.fix({name: (exprs[name], value) for name, value in at.items()})
         solution = solve(node.at, near[0] if near else begin, curve.units)
-        if solution is None:
-            continue
-        points[i, j] = solution
-        matrix = node.matrix(solution)
-        own = Deflation.of(matrix)
-        shape = own if shape is None or own.zeros < shape.zeros else shape
-        found[i, j] = unstable_count(shape.eigenvalues(matrix))
+        if solution is not None:
+            points[i, j], matrices[i, j] = solution, node.matrix(solution)
+    deflation = Deflation.of_family([*matrices.values()])
+    for place, matrix in matrices.items():
+        found[place] = unstable_count(deflation.eigenvalues(matrix))
     return SteadyChart(motion.system, x_name, y_name, xs, ys, found, given.held)
 
 

@@ -132,7 +132,7 @@ class SteadyFamily:
     @cached_property
     def deflation(self) -> Deflation:
         """The eigenvalues that vanish along the whole family: the fewest that vanish at a point."""
-        return min(map(Deflation.of, self.matrices), key=lambda d: d.zeros)
+        return Deflation.of_family([*self.matrices])
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:

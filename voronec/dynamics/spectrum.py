@@ -53,6 +53,11 @@ class Deflation:
             matrix = kept @ matrix @ kept.T
         return cls(tuple(counts))
 
+    @classmethod
+    def of_family(cls, matrices: Sequence[np.ndarray]) -> Deflation:
+        """The zero eigenvalues that all motions of a family have: the fewest that one has."""
+        return min(map(cls.of, matrices), key=lambda d: d.zeros, default=cls(()))
+
     def remainder(self, matrix: np.ndarray) -> np.ndarray:
         """The matrix on the complements of the null spaces, from which they are taken out."""
         for zeros in self.counts:
