@@ -31,6 +31,7 @@ from voronec.dynamics.spectrum import (
     characteristic,
     conditions_in_doubles,
     discriminant,
+    has_opposites,
     hurwitz,
     in_order,
     to_mpf,
@@ -53,6 +54,8 @@ CRITICAL_BITS = 200
 """At work on critical values: 60 digits, of which a determinant leaves 30."""
 FLAT = 1e-4
 """Where the quantity changes by less than this along the curve, in the units, there is a fold."""
+ROUNDING = 1e-9
+"""Conditions below this share of what they are at the next point are zero but for rounding."""
 MOST_SECANTS = 8
 """Secants from eight digits on reach thirty in three steps."""
 WAYS = {
@@ -185,18 +188,26 @@ class SteadyFamily:
         """The critical values of the quantity, in the order of the curve, to 30 digits."""
         found = []
         for k in np.flatnonzero(np.diff(self.unstable)):
-            found.append(self._critical(int(k)))
+            # a point may lie on the critical value itself: then its neighbours tell
+            ends = ((i, j) for i, j in ((k, k + 1), (k - 1, k + 1), (k, k + 2))
+                    if i >= 0 and j < len(self))  # fmt: skip
+            tries = (self._critical(int(k), self.points[[i, j]]) for i, j in ends)
+            found.append(next((c for c in tries if c is not None), None))
         return tuple(c for c in found if c is not None)
 
-    def _critical(self, k: int) -> Critical | None:
-        """That between the points k and k + 1; None where no condition changes its sign."""
+    def _critical(self, k: int, between: np.ndarray) -> Critical | None:
+        """That between the points k and k + 1, looked for between two of the curve (2, n); None
+        where no condition changes its sign."""
         from scipy.optimize import brentq
 
-        a, b = self.points[k : k + 2]
+        a, b = between
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
         ends = [self._in_doubles(y) for y in (a, b)]
-        for way in ends[0].keys() & ends[1].keys():
-            if ends[0][way] * ends[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
+        for way in ends[0]:
+            low, high = sorted((ends[0][way], ends[1][way]))
+            if not low < 0 < high or min(-low, high) < ROUNDING * max(-low, high):
+                continue  # a zero on one of the points has the sign of its rounding
+            if ((below - above) % 2 == 1) == (way == "real"):
 
                 def at(share: float, way: str = way) -> float:
                     return self._in_doubles(self.curve.between(a, b, share))[way]
@@ -217,7 +228,13 @@ class SteadyFamily:
     def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
         """What changes its sign at critical values, at a point of the curve."""
         n = self.curve.equations.size
-        return conditions_in_doubles(self.deflation.remainder(self.curve.function(y)[1][:n, :n]))
+        matrix = self.deflation.remainder(self.curve.function(y)[1][:n, :n])
+        return conditions_in_doubles(matrix, self.has_opposites)
+
+    @cached_property
+    def has_opposites(self) -> bool:
+        """Whether all along with each eigenvalue its negative is one."""
+        return all(has_opposites(self.deflation.remainder(matrix)) for matrix in self.matrices)
 
     def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
         """Where a condition vanishes, by secants from what doubles tell; at a fold, where the

@@ -436,7 +436,7 @@ class _OrbitEquations:
         self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None
     ) -> _Linear | None:
         """The equations, where the motion can be followed."""
-        if not unknowns[-1] > 0.01:
+        if not 0.01 < unknowns[-1] < 100:
             return None
         try:
             return self.linear(unknowns, aim)
