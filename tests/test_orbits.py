@@ -237,6 +237,15 @@ def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: st
         vo.periodic(pendulum(), **given)
 
 
+def test_a_guess_from_which_motions_blow_up_is_refused() -> None:
+    x = sp.Symbol("x")
+    rate = vo.velocity(x)
+    backwards = vo.System("van der Pol backwards", vo.Fibration(base=(x,)), rate**2 / 2 - x**2 / 2,
+                          forces={x: (x**2 - 1) * rate})  # fmt: skip
+    with pytest.raises(vo.DefinitionError, match="no periodic orbit is found"):
+        vo.periodic(backwards, initial={x: 2})
+
+
 def test_exponents_of_lorenz_are_as_published() -> None:
     found = vo.exponents(
         lorenz(), initial={"x": 1, "y": 1, "z": 20}, variables=("x", "y", "z"), bar=0.01
