@@ -712,6 +712,7 @@ def no_plan(t, state):
         (no_plan, "raises ValueError: no plan; the run is kept up to t = 0.", 5),
         (lambda t, state: [1, 2], r"returns an array of 2, not one number; .* t = 0 \(x = 1", 1),
         (lambda t, state: math.nan if t > 0.5 else 0, "returns nan, which is not finite; ", 5),
+        (lambda t, state: None, "returns None, which is not finite; ", 1),
         (lambda t, state: state["y"], r"t = 0 raises KeyError: 'y'; .*\(x = 1, xdot = 0\)", 1),
     ],
 )
@@ -736,6 +737,7 @@ def test_a_controller_that_fails_is_told_with_time_and_state_and_the_run_is_kept
         (lambda: vo.Sampled(3, 0.1), "the controller 3 is no function"),
         (lambda: moved(damped, "heyoka"), r"give Sampled\(controller, period\)"),
         (lambda: moved(vo.Sampled(damped, 0.1), times=[1, 0]), "let the times grow"),
+        (lambda: moved(vo.Sampled(damped, 1e-9)), "would be asked .* times; give a longer period"),
     ],
 )
 def test_controllers_that_make_no_sense_are_refused_in_a_line(make, words):

@@ -256,6 +256,18 @@ def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: st
         vo.periodic(pendulum(), **given)
 
 
+def test_an_unstable_cycle_is_found_among_motions_that_blow_up() -> None:
+    x = sp.Symbol("x")
+    rate = vo.velocity(x)
+    backwards = vo.System("van der Pol backwards", vo.Fibration(base=(x,)), rate**2 / 2 - x**2 / 2,
+                          forces={x: (x**2 - 1) * rate})  # fmt: skip
+    (orbit,) = vo.periodic(backwards, initial={x: 2})
+    assert orbit.period == pytest.approx(6.66328685932313, abs=1e-11)
+    assert orbit.stability == "unstable"
+    with pytest.raises(vo.VoronecError, match="singular"):
+        vo.periodic(backwards, initial={x: 2.1})
+
+
 def test_exponents_of_lorenz_are_as_published() -> None:
     found = vo.exponents(
         lorenz(), initial={"x": 1, "y": 1, "z": 20}, variables=("x", "y", "z"), bar=0.01

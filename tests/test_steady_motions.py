@@ -65,6 +65,59 @@ def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
     assert moving("suslov", {"omega2": 1}).verdict.word == "linearly attracting"
 
 
+ALPHA, BETA, PHI, MU, OMEGA, X = sp.symbols("alpha beta phi mu omega x")
+DA, DB, DPHI, DX = map(vo.velocity, (ALPHA, BETA, PHI, X))
+DOUBLE = vo.System(
+    "double pendulum", vo.Fibration(base=(ALPHA, BETA)),
+    DA**2 + DB**2 / 2 + sp.cos(ALPHA - BETA) * DA * DB + 2 * sp.cos(ALPHA) + sp.cos(BETA),
+)  # fmt: skip
+SPHERICAL = vo.System(
+    "spherical pendulum", vo.Fibration(base=(ALPHA, PHI)),
+    (DA**2 + sp.sin(ALPHA) ** 2 * DPHI**2) / 2 + sp.cos(ALPHA),
+)  # fmt: skip
+BEAD = vo.System(
+    "bead on a turning hoop", vo.Fibration(base=(ALPHA,)),
+    (DA**2 + OMEGA**2 * sp.sin(ALPHA) ** 2) / 2 + 9 * sp.cos(ALPHA), forces={ALPHA: -DA},
+    parameters=(OMEGA,),
+)  # fmt: skip
+VAN_DER_POL = vo.System(
+    "van der Pol", vo.Fibration(base=(X,)), DX**2 / 2 - X**2 / 2,
+    forces={X: MU * (1 - X**2) * DX}, parameters=(MU,),
+)  # fmt: skip
+
+
+def test_whole_turns_make_no_further_motions_and_each_inverted_one_is_proved_unstable() -> None:
+    found = vo.steady(DOUBLE)
+    places = {(round(m.y[0] / np.pi, 9), round(m.y[1] / np.pi, 9)): m.verdict for m in found}
+    assert {*places} == {(0, 0), (0, 1), (1, 0), (1, 1)} and len(found) == 4
+    assert all(verdict.proved == (at != (0, 0)) for at, verdict in places.items())
+
+
+def test_poles_of_coordinates_give_no_motions() -> None:
+    assert all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in vo.steady(SPHERICAL))
+    for cone in vo.steady(SPHERICAL, at={"alpha": 1}):
+        assert cone.point["phidot"] ** 2 == pytest.approx(1 / np.cos(1))
+        frequency = np.sqrt((1 + 3 * np.cos(1) ** 2) / np.cos(1))
+        assert abs(cone.spectrum[-1].imag) == pytest.approx(frequency)
+
+
+def test_a_bead_at_the_critical_speed_is_alone_and_not_linearly_attracted() -> None:
+    for at in ({}, {"alpha": 0}):
+        low = next(m for m in vo.steady(BEAD, at=at, parameters={OMEGA: 3}) if m.y[0] == 0)
+        assert low.dimension == 0 and low.zeros == 1
+        assert low.verdict.word == "spectrally stable"
+    (low,) = vo.steady(BEAD, at={"alpha": 0}, parameters={OMEGA: 2})
+    assert low.verdict.word == "linearly attracting"
+
+
+# at -1 a point of the curve lies on the critical value
+@pytest.mark.parametrize("low", [-1, -1.3, -2])
+def test_an_oscillator_of_van_der_pol_loses_stability_at_zero(low: float) -> None:
+    (critical,) = vo.stability(VAN_DER_POL, "mu", (low, 3), parameters={MU: 1}).critical
+    assert (critical.way, critical.below, critical.above) == ("pair", 0, 2)
+    assert critical.value == pytest.approx(0, abs=1e-12)
+
+
 def test_roots_are_not_negative() -> None:
     for motion in vo.steady(vo.load("rattleback"), at={"omega3": 1}):
         assert motion.point["height"] > 0

@@ -113,10 +113,12 @@ class ExactFamily:
         """The coefficients of the characteristic polynomial from the constant on, without those
         that vanish on the whole family, up to a common factor.
 
-        ``EngineLimit`` where its matrix is too long to be written.
+        ``EngineLimit`` where its matrix is large or holds sines.
         """
         if self.matrices is None:
-            raise EngineLimit("the matrix of the linearisation is too long to be written")
+            raise EngineLimit(
+                f"the linearisation is not written out: sines stand in it, or over {SIZE} variables"
+            )
         left, right = self.matrices
         unknown = sp.Symbol("lambda")
         zero = {sp.Symbol(n): 0 for n in self.zero}

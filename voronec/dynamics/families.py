@@ -31,6 +31,7 @@ from voronec.dynamics.spectrum import (
     characteristic,
     conditions_in_doubles,
     discriminant,
+    has_opposites,
     hurwitz,
     to_mpf,
     unstable_count,
@@ -51,6 +52,8 @@ CRITICAL_BITS = 200
 lose half."""
 FLAT = 1e-4
 """Where the quantity changes by less than this along the curve, in the units, there is a fold."""
+ROUNDING = 1e-9
+"""Conditions below this share of what they are at the next point are zero but for rounding."""
 MOST_SECANTS = 8
 """The most steps of the secant method: from eight digits three steps lead to thirty."""
 WAYS = {
@@ -171,15 +174,23 @@ class SteadyFamily:
         """The critical values of the quantity, in the order of the curve, to 30 digits."""
         found = []
         for k in np.flatnonzero(np.diff(self.unstable)):
-            found.append(self._critical(int(k)))
+            # a point may lie on the critical value itself: then its neighbours tell
+            ends = ((i, j) for i, j in ((k, k + 1), (k - 1, k + 1), (k, k + 2))
+                    if i >= 0 and j < len(self))  # fmt: skip
+            tries = (self._critical(int(k), self.points[[i, j]]) for i, j in ends)
+            found.append(next((c for c in tries if c is not None), None))
         return tuple(c for c in found if c is not None)
 
-    def _critical(self, k: int) -> Critical | None:
-        """The critical value between the points k and k + 1; None where no condition changes its
-        sign."""
-        a, b = self.points[k : k + 2]
+    def _critical(self, k: int, between: np.ndarray) -> Critical | None:
+        """The critical value between the points k and k + 1, looked for between two of the curve
+        (2, n); None where no condition changes its sign."""
+        a, b = between
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
-        for way in self._conditions(a).keys() & self._conditions(b).keys():
+        ends = self._conditions(a), self._conditions(b)
+        for way in ends[0]:
+            low, high = sorted((ends[0][way], ends[1][way]))
+            if not low < 0 < high or min(-low, high) < ROUNDING * max(-low, high):
+                continue  # a zero on one of the points has the sign of its rounding
             if ((below - above) % 2 == 1) != (way == "real"):
                 continue
             y = root_between(self.curve, a, b, partial(self._condition, way))
@@ -191,10 +202,16 @@ class SteadyFamily:
 
     def _conditions(self, y: np.ndarray) -> dict[str, float]:
         """What changes its sign at critical values, at a point of the curve."""
-        return conditions_in_doubles(self.deflation.remainder(self.curve.equations.matrix(y)))
+        matrix = self.deflation.remainder(self.curve.equations.matrix(y))
+        return conditions_in_doubles(matrix, self.has_opposites)
 
     def _condition(self, way: str, y: np.ndarray) -> float:
         return self._conditions(y)[way]
+
+    @cached_property
+    def has_opposites(self) -> bool:
+        """Whether all along with each eigenvalue its negative is one."""
+        return all(has_opposites(self.deflation.remainder(matrix)) for matrix in self.matrices)
 
     def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
         """Where a condition vanishes, by secants from what doubles tell; at a fold, where the

@@ -86,16 +86,22 @@ def characteristic(slopes: Any, size: int, zeros: int) -> list[Any]:
     return coefficients[zeros:]
 
 
-def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
+def has_opposites(matrix: np.ndarray) -> bool:
+    """Whether with each eigenvalue its negative is one."""
+    scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 1.0
+    odd = np.poly(matrix / (scale or 1.0))[1::2]
+    return len(matrix) % 2 == 0 and bool(np.abs(odd).max(initial=0.0) < EVEN)
+
+
+def conditions_in_doubles(matrix: np.ndarray, opposites: bool) -> dict[str, float]:
     """What changes its sign where an eigenvalue passes through zero (``real``), where a pair
-    crosses the imaginary axis (``pair``), and, where with each eigenvalue its negative is one,
-    where two pairs meet on it (``meeting``), scaled."""
+    crosses the imaginary axis (``pair``), or, where with each eigenvalue its negative is one all
+    along (``opposites``), where two pairs meet on it (``meeting``), scaled."""
     scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 1.0
     values = np.linalg.eigvals(matrix / (scale or 1.0))
     found = {"real": float(np.prod(values).real)}
-    coefficients = np.poly(matrix / (scale or 1.0))
-    if len(values) % 2 == 0 and np.abs(coefficients[1::2]).max(initial=0.0) < EVEN:
-        squares = np.roots(coefficients[::2])
+    if opposites:
+        squares = np.roots(np.poly(matrix / (scale or 1.0))[::2])
         gaps = [(a - b) ** 2 for a, b in combinations(squares, 2)]
         return found | {"meeting": float(np.prod(gaps).real)}
     return found | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}

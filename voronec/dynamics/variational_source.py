@@ -131,7 +131,9 @@ long long drive(double *clock, double *z, const double *parameters, const double
         const double wrong = (five + 0.01*three)*M;
         const double error = wrong > 0.0 ? fabs(h)*five/sqrt(wrong) : five + three;
         if (!(error <= 1.0)) {
-            size = error == error ? fabs(h)*fmax(0.2, 0.9*pow(error, -0.125)) : 0.2*fabs(h);
+            /* the step in numbers, h, may be the longer one: size alone is sure to shrink */
+            size = fmin(size, fabs(h));
+            size *= error == error ? fmax(0.2, 0.9*pow(error, -0.125)) : 0.2;
             rejected = 1;
             continue;
         }

@@ -44,6 +44,9 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
 from voronec.motion.steppers import Feedback, Signal, Signals
 
+MOST_SAMPLES = 10**7
+"""A controller is asked no more often in one run: as many instants take half a gigabyte."""
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -113,6 +116,11 @@ class Drive:
             whole = lcm(begin.denominator, period.denominator)
             first, every = int(begin * whole), int(period * whole)
             count = max(ceil((Fraction(end) - begin) / period), 1)
+            if count > MOST_SAMPLES:
+                raise DefinitionError(
+                    f"system '{self.original.name}': the controller of '{signal.name}' would be "
+                    f"asked {count:.3g} times; give a longer period, or a shorter run"
+                )
             instants = tuple((first + k * every) / whole for k in range(count))
         feedback = Feedback(signal.parameters[0], signal.feedback.function, instants)
         return replace(signal, feedback=feedback, instants=instants)
