@@ -103,7 +103,7 @@ def test_derive_tells_on_a_terminal_what_it_is_at(
         monkeypatch.setattr(f"voronec.cli.{module}.progress", told.append)
     assert call("derive", "sleigh").status == 0
     assert told[:6] == [
-        "sleigh: the equations of motion", "", "sleigh: how its distribution grows", "",
+        "sleigh: the equations of motion", "", "sleigh: kind, growth and curvature", "",
         "sleigh: integral energy", "sleigh: integral heading",
     ]  # fmt: skip
     assert "sleigh: case centre of mass over the blade" in told and told[-2:] == ["", ""]
