@@ -32,6 +32,8 @@ _MOST_POLYNOMIALS = 3_000
 _LONG = 300
 """How many terms one of these may have that others are to rest on: squares of long ones, seldom of
 one sign, take minutes to be factored."""
+_WIDE = 120
+"""How many letters a polynomial that a reason spells out may have."""
 _KINDS = {1: ("nonnegative", "positive"), -1: ("nonpositive", "negative")}
 """What a generator is by the sign it is known to have: not strictly, and strictly."""
 _ONE_SIGN = {"positive": 1, "nonnegative": 1, "negative": -1, "nonpositive": -1}
@@ -314,8 +316,11 @@ class Signs:
 
     def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
         """Collected in one variable, all coefficients have one sign."""
+        changes = _ONE_SIGN.get(self.kinds[place]) != 1
+        if changes and poly.degrees()[place] % 2:
+            return None
         parts = self._coefficients(poly, place)
-        if _ONE_SIGN.get(self.kinds[place]) != 1 and any(power % 2 for power in parts):
+        if changes and any(power % 2 for power in parts):
             return None
         signs: dict[int, Sign] = {}
         for power in sorted(parts, key=lambda power: len(parts[power])):
@@ -332,9 +337,12 @@ class Signs:
     def _by_norm(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a + b r with a square root r: b r is the larger where b^2 r^2 - a^2 is not negative, else
         a; the larger has the sign."""
-        parts, field = self._coefficients(poly, place), self.ring.field
+        field = self.ring.field
         rule = next((r for q, degree, r in field.rules if q == place and degree == 2), None)
-        if rule is None or parts.keys() != {0, 1} or _ONE_SIGN.get(self.kinds[place]) != 1:
+        if rule is None or _ONE_SIGN.get(self.kinds[place]) != 1:
+            return None
+        parts = self._coefficients(poly, place)
+        if parts.keys() != {0, 1}:
             return None
         try:
             excess_of = field.reduce(
@@ -353,9 +361,11 @@ class Signs:
 
     def _by_discriminant(self, poly: Any, place: int, depth: int) -> Sign | None:
         """a y^2 + b y + c for y = x^k: definite where 4ac > b^2, semidefinite where a > 0, too."""
+        half, odd = divmod(poly.degrees()[place], 2)
+        if odd or self._is_bound(place):
+            return None
         parts = self._coefficients(poly, place)
-        half, odd = divmod(max(parts), 2)
-        if odd or self._is_bound(place) or not parts.keys() <= {0, half, 2 * half}:
+        if not parts.keys() <= {0, half, 2 * half}:
             return None
         zero = self.ring.field.zero
         a, b, c = parts[2 * half], parts.get(half, zero), parts.get(0, zero)
@@ -391,15 +401,18 @@ class Signs:
         """Coefficients by powers of one generator."""
         parts: dict[int, dict[tuple[int, ...], Any]] = {}
         for exponents, coefficient in poly.to_dict().items():
-            rest = tuple(0 if i == place else int(e) for i, e in enumerate(exponents))
+            rest = (*exponents[:place], 0, *exponents[place + 1 :])
             parts.setdefault(int(exponents[place]), {})[rest] = coefficient
         context = self.ring.field.context
         return {power: context.from_dict(terms) for power, terms in parts.items()}
 
     def spell(self, poly: Any) -> str:
         """A polynomial in the user's names; a long one is cut short."""
-        text = str(self.ring.polynomial(poly)).replace("**", "^")
-        return text if len(text) <= 120 else f"a polynomial of {len(poly)} terms"
+        if 4 * len(poly) <= _WIDE:  # no term takes fewer letters, with its sign
+            text = str(self.ring.polynomial(poly)).replace("**", "^")
+            if len(text) <= _WIDE:
+                return text
+        return f"a polynomial of {len(poly)} terms"
 
     def linear_zeros(self, poly: Any) -> list[tuple[Any, Any]]:
         """(symbol, value): where factors that are linear in a symbol vanish.  A function does not

@@ -19,6 +19,9 @@ DRAWS = 40
 """How many points are drawn, at most, for one at which conditions hold."""
 SEEDS = 12
 """How many seeds are tried for a point."""
+PATIENCE = 25
+"""After so many steps without a smaller residual no solution is expected: of 1 244 that were found
+for claims of the catalogue's systems none took more than 24, and half of all searches find none."""
 
 
 def sample_point(
@@ -168,16 +171,18 @@ def _nearby_solution(tape: Tape, n: int, near: tuple[float, ...]) -> dict[Any, f
     import numpy as np
 
     atoms = tape.atoms
-    x = np.array(near)
+    x, best, since = np.array(near), np.inf, 0
     for _ in range(100):
         residual, matrix = _values(tape, dict(zip(atoms, map(float, x), strict=True)), n, 80)
         g = np.array([float(v.mid()) for v in residual.entries()])
         j = np.array([float(v.mid()) for v in matrix.entries()]).reshape(n, len(atoms))
-        if not np.all(np.isfinite(j)):
+        size = np.max(np.abs(g))
+        best, since = (size, 0) if size < best else (best, since + 1)
+        if since > PATIENCE or not np.all(np.isfinite(j)):
             break
         step = np.linalg.lstsq(j, g, rcond=1e-10)[0]
         x = x - step
-        if np.max(np.abs(step)) < 1e-13 and np.max(np.abs(g)) < 1e-9:
+        if np.max(np.abs(step)) < 1e-13 and size < 1e-9:
             return dict(zip(atoms, map(float, x), strict=True))
     raise EngineLimit("no point was found on the relations between the coordinates")
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import symengine as se
 
-from voronec.algebra.certificates import Signs
+from voronec.algebra.certificates import Sign, Signs
 from voronec.algebra.conditions import comparisons, split_hypotheses
 from voronec.algebra.factors import fraction_factors
 from voronec.algebra.field import WORK_LIMIT, Fraction
@@ -258,9 +259,15 @@ def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) 
 
     ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
     """
+    found = _sign_where(expr, tuple(hypotheses))
+    return found.value if found is not None and (found.strict or not strict) else 0
+
+
+@lru_cache(maxsize=4096)
+def _sign_where(expr: Any, hypotheses: tuple[Any, ...]) -> Sign | None:
+    """The sign, strict or not: proofs of several claims ask for most of them."""
     try:
         ring = ring_over([expr], hypotheses)
-        found = Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
+        return Signs.of(ring, hypotheses, bounded=True).of_fraction(ring.fraction(expr))
     except EngineLimit:
-        return 0
-    return found.value if found is not None and (found.strict or not strict) else 0
+        return None

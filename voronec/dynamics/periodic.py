@@ -315,7 +315,7 @@ class _Arc(NamedTuple):
     slopes: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _OrbitEquations:
     """The equations of a periodic orbit, whose solutions are a ``ContinuationCurve``.
 

@@ -18,6 +18,7 @@ import sympy as sp
 from voronec.algebra.branches import bounds_of
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import determinant, is_product
+from voronec.algebra.memo import Memo
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.rank import generic_rows
@@ -91,6 +92,7 @@ class VectorField(EquationsOfMotion):
     determinant: Any = None
     turning: tuple[tuple[Any, ...], ...] = ()
     conditions: tuple[Any, ...] = ()
+    memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     @property
     def hypotheses(self) -> tuple[Any, ...]:

@@ -278,9 +278,12 @@ class _Ground:
         powers = product_of(expr, self.relations, self.variables).powers
         return all(k % 2 for h, k in powers.items() if h.free_symbols & self.variables)
 
-    @cached_property
+    @property
     def _poles(self) -> list[Any]:
         """Irreducible functions by which rates are divided, where motions may be on both sides."""
+        return self.field.memo.once("poles", self._find_poles)
+
+    def _find_poles(self) -> list[Any]:
         rates = reversed(self.field.components)  # the longest first: they may be too long
         found = [h for e in rates for h in divisors_of(e, self.relations)]
         moving = [h for h in dict.fromkeys(found) if h.free_symbols & self.variables]
