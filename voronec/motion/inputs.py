@@ -44,9 +44,9 @@ from voronec.errors import DefinitionError, did_you_mean
 from voronec.motion.input_samples import SAMPLES, breaks
 from voronec.motion.steppers import Feedback, Signal, Signals
 
-
 MOST_SAMPLES = 10**7
 """A controller is asked no more often in one run: as many instants take half a gigabyte."""
+
 
 @dataclass(frozen=True)
 class Drive:
