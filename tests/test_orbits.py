@@ -369,6 +369,19 @@ def test_rotation_numbers_of_independent_oscillators_are_quotients() -> None:
     assert np.isnan(numbers.values[1])  # a single point has none
 
 
+def test_slow_rotation_numbers_of_a_pendulum_lie_within_their_bars() -> None:
+    """Small swings are almost as fast as the oscillator that shows their section."""
+    system = vo.System("pendulum beside an oscillator", vo.Fibration(base=(x, y)),
+                       (vx**2 + vy**2 - y**2) / 2 + sp.cos(x))  # fmt: skip
+    starts = [{x: a, vy: 1.0} for a in (0.2, 0.3, 0.5)]
+    found = vo.section(system, "y", ("x", "xdot"), starts=starts, crossings=400)
+    numbers = vo.rotation_numbers(found)
+    periods = [float(4 * mp.ellipk(mp.sin(start[x] / 2) ** 2)) for start in starts]
+    off = np.abs(numbers.values - (1 - 2 * np.pi / np.array(periods)))
+    # the first goes less than once around in 400 steps
+    assert np.isnan(off[0]) and (off[1:] <= numbers.bars[1:]).all()
+
+
 def test_sweeps_record_exponents(tmp_path: Any) -> None:
     found = vo.sweep(
         pendulum(), {"x": [0.5, 1.0]}, record=["exponents(2)"], out=tmp_path / "run.zarr",

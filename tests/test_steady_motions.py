@@ -93,6 +93,16 @@ def test_whole_turns_make_no_further_motions_and_each_inverted_one_is_proved_uns
     assert all(verdict.proved == (at != (0, 0)) for at, verdict in places.items())
 
 
+def test_instability_by_a_double_eigenvalue_is_proved() -> None:
+    rates = (DA**2 + DPHI**2) / 2
+    bowl = vo.System("bowl", vo.Fibration(base=(ALPHA, PHI)),
+                     rates - (ALPHA**2 + PHI**2 - 1) ** 2 / 4)  # fmt: skip
+    top, ring = vo.steady(bowl)
+    assert top.spectrum == pytest.approx([-1, -1, 1, 1])
+    assert top.verdict.word == "unstable" and top.verdict.proved
+    assert ring.dimension == 1 and ring.verdict.word == "spectrally stable"
+
+
 def test_poles_of_coordinates_give_no_motions() -> None:
     assert all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in vo.steady(SPHERICAL))
     for cone in vo.steady(SPHERICAL, at={"alpha": 1}):

@@ -40,8 +40,17 @@ def enclosed_on_right(
             if box is None:
                 return None
             slopes = equations.slopes_in_balls(box, BITS)
-            found = root_on_right(characteristic(slopes, equations.size, 0), near, BITS)
-            return None if found is None else f"an eigenvalue is {found.str(12)}"
+            coefficients = characteristic(slopes, equations.size, 0)
+            found = root_on_right(coefficients, near, BITS)
+            if found is not None:
+                return f"an eigenvalue is {found.str(12)}"
+            # with no root on the right all coefficients would have the sign of the first; this
+            # proves eigenvalues that are double
+            below = next((k for k, c in enumerate(coefficients) if c < 0), None)
+            if below is None:
+                return None
+            factor = coefficients[below].str(12)
+            return f"lambda^{below} in the characteristic polynomial has the factor {factor}"
     except EngineLimit:
         return None
 

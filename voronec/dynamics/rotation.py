@@ -24,9 +24,9 @@ FEWEST = 20
 
 @dataclass(frozen=True, eq=False)
 class RotationNumbers:
-    """Rotation numbers (s,), one for each start of a section, with ``bars`` (s,): the difference of
-    the means of both halves of the points, large where the motion is chaotic.  They are no numbers
-    where a start has too few points, or where their curve does not go around the centre."""
+    """Rotation numbers (s,), one for each start of a section, with ``bars`` (s,): by how far
+    the means of all points and of both halves lie apart, large where the motion is chaotic.  They
+    are no numbers where a start has too few points, or these do not go once around the centre."""
 
     values: np.ndarray
     bars: np.ndarray
@@ -58,8 +58,12 @@ def rotation_numbers(
             continue
         steps = np.mod(np.diff(angles) / (2 * np.pi), 1.0)
         half = len(steps) // 2
-        values[i] = _weighted_mean(steps)
-        bars[i] = abs(_weighted_mean(steps[:half]) - _weighted_mean(steps[half:]))
+        value = _weighted_mean(steps)
+        if abs(value - np.round(value)) * len(steps) < 1:
+            continue  # less than one turn in all, about a centre that is none
+        values[i] = value
+        halves = _weighted_mean(steps[:half]), _weighted_mean(steps[half:])
+        bars[i] = np.ptp([values[i], *halves])
     return RotationNumbers(values, bars, centres)
 
 

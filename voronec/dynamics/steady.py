@@ -427,8 +427,7 @@ def roots_of(equations: SteadyEquations) -> list[int]:
 
 
 def angles_of(equations: SteadyEquations, units: np.ndarray) -> list[int]:
-    """The positions of states that are angles: a whole turn of them changes no equation at a random
-    point."""
+    """The positions of states that are angles: whole turns change no equation at a random point."""
     y = np.random.default_rng(0).normal(size=len(units)) * units
     there, turns = equations.at(y)[0], 2 * np.pi * np.eye(len(units))[: equations.size]
     off = [np.abs(equations.at(y + turn)[0] - there).max() for turn in turns]
