@@ -54,8 +54,8 @@ if TYPE_CHECKING:
     from voronec.dynamics.exponents import Exponents as Exponents
     from voronec.dynamics.exponents import exponents as exponents
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
-    from voronec.dynamics.periodic import OrbitFamily as OrbitFamily
-    from voronec.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
+    from voronec.dynamics.orbits import OrbitFamily as OrbitFamily
+    from voronec.dynamics.orbits import PeriodicOrbit as PeriodicOrbit
     from voronec.dynamics.periodic import periodic as periodic
     from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
     from voronec.dynamics.steady import SteadyMotion as SteadyMotion
@@ -134,7 +134,8 @@ _HOME = {
         "dynamics.charts": "SteadyChart",
         "dynamics.exponents": "Exponents exponents",
         "dynamics.families": "SteadyFamily",
-        "dynamics.periodic": "OrbitFamily periodic PeriodicOrbit",
+        "dynamics.orbits": "OrbitFamily PeriodicOrbit",
+        "dynamics.periodic": "periodic",
         "dynamics.rotation": "rotation_numbers",
         "dynamics.steady": "stability steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
