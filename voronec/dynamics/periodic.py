@@ -195,16 +195,14 @@ class _OrbitEquations:
             raise DefinitionError(f"periodic: period={period}: give a time above 0")
         held = [i for i, n in enumerate(names)
                 if n in hold or n in space.moving or n.startswith("relation ")]  # fmt: skip
-        turning = space.angles()
-        span = period or _return_time(flow, x, values, units, turning)
-        if not space.is_driven:
-            span = _nearest_time(flow, x, values, units, turning, span)
         constants, _ = space.constants_at(x, values)
         place = None if along is None else names.index(along)
         made = cls(
-            space, flow, values, units, np.array(held, dtype=int), constants[held], place, 1, span,
-            turning, np.array([]), (x, rates), tol,
+            space, flow, values, units, np.array(held, dtype=int), constants[held], place, 1, 0.0,
+            space.angles(), np.array([]), (x, rates), tol,
         )  # fmt: skip
+        span = period or made._return_time()
+        made = replace(made, span=span if space.is_driven else made._nearest_time(span))
         if segments is not None:
             if not 1 <= segments <= MOST_SEGMENTS:
                 raise DefinitionError(f"periodic: segments={segments}: give 1 to {MOST_SEGMENTS}")
@@ -217,6 +215,41 @@ class _OrbitEquations:
                 break
             count *= 2
         return made.in_parts(count)
+
+    def _gap(self, end: np.ndarray) -> np.ndarray:
+        """From the start to another state (n,), in units, angles up to whole turns."""
+        off = end - self.anchor[0]
+        off[self.turning] -= 2 * np.pi * np.round(off[self.turning] / (2 * np.pi))
+        return np.asarray(off / self.state_units)
+
+    def _return_time(self) -> float:
+        """When the motion from the start comes back next to it, roughly."""
+        x, units = self.anchor[0], self.state_units
+        state, gaps, farthest = self.flow.start(x, units=units), [0.0], 0.0
+        _, matrix = self.flow.rates(x, self.values)
+        step = 0.1 / (float(np.linalg.norm(matrix * units / units[:, None], 2)) or 1.0)
+        for i in range(1, SEARCH):
+            self.flow.go(state, i * step, self.values, COARSE, 1)
+            gaps.append(float(np.linalg.norm(self._gap(state.x))))
+            farthest = max(farthest, gaps[-1])
+            if len(gaps) > 2 and gaps[-3] > gaps[-2] < gaps[-1] and gaps[-2] < NEAR * farthest:
+                return float(state.time - step)
+        raise DefinitionError(
+            "periodic: the motion does not come back next to its start within "
+            f"t = {state.time:.6g}; give a period"
+        )
+
+    def _nearest_time(self, time: float) -> float:
+        """When, next to a time, the motion is nearest to its start: (x(t) - x) . x'(t) = 0."""
+        found = time
+        for _ in range(5):
+            state = self.flow.start(self.anchor[0], units=self.state_units)
+            self.flow.go(state, found, self.values, COARSE, 1)
+            rates = self._rates(state.x) / self.state_units
+            found -= float(self._gap(state.x) @ rates / (rates @ rates))
+            if not 0.5 * time < found < 2 * time:
+                return time
+        return found
 
     def in_parts(self, count: int) -> _OrbitEquations:
         """With so many parts, the guess along the motion from the start."""
@@ -465,45 +498,3 @@ def _split_multipliers(
         inside = np.linalg.svd((inside @ along)[None])[2][1:] @ inside
     others = np.linalg.eigvals(inside @ matrix @ inside.T) if len(inside) else np.array([])
     return np.concatenate(trivial), others[np.argsort(-np.abs(others), kind="stable")]
-
-
-def _gap(end: np.ndarray, x: np.ndarray, units: np.ndarray, turning: np.ndarray) -> np.ndarray:
-    """From a state to another in units, angles up to whole turns."""
-    off = end - x
-    off[turning] -= 2 * np.pi * np.round(off[turning] / (2 * np.pi))
-    return np.asarray(off / units)
-
-
-def _return_time(
-    flow: VariationalFlow, x: np.ndarray, values: np.ndarray, units: np.ndarray, turning: np.ndarray
-) -> float:
-    """When a motion comes back next to its start, roughly."""
-    state, gaps, farthest = flow.start(x, units=units), [0.0], 0.0
-    _, matrix = flow.rates(x, values)
-    step = 0.1 / (float(np.linalg.norm(matrix * units / units[:, None], 2)) or 1.0)
-    for i in range(1, SEARCH):
-        flow.go(state, i * step, values, COARSE, 1)
-        gaps.append(float(np.linalg.norm(_gap(state.x, x, units, turning))))
-        farthest = max(farthest, gaps[-1])
-        if len(gaps) > 2 and gaps[-3] > gaps[-2] < gaps[-1] and gaps[-2] < NEAR * farthest:
-            return float(state.time - step)
-    raise DefinitionError(
-        f"periodic: the motion does not come back next to its start within t = {state.time:.6g}; "
-        "give a period"
-    )
-
-
-def _nearest_time(
-    flow: VariationalFlow, x: np.ndarray, values: np.ndarray, units: np.ndarray,
-    turning: np.ndarray, time: float,
-) -> float:  # fmt: skip
-    """When, next to a time, a motion is nearest to its start: (x(t) - x) . x'(t) = 0."""
-    found = time
-    for _ in range(5):
-        state = flow.start(x, units=units)
-        flow.go(state, found, values, COARSE, 1)
-        rates = flow.rates(state.x, values)[0] / units
-        found -= float(_gap(state.x, x, units, turning) @ rates / (rates @ rates))
-        if not 0.5 * time < found < 2 * time:
-            return time
-    return found
