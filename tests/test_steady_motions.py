@@ -103,6 +103,14 @@ def test_instability_by_a_double_eigenvalue_is_proved() -> None:
     assert ring.dimension == 1 and ring.verdict.word == "spectrally stable"
 
 
+def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
+    board = vo.load("snakeboard")
+    with pytest.raises(DefinitionError, match="of constants: phidot = "):
+        vo.steady(board)  # the wheels turn in its scene
+    found = vo.steady(board, at={"phidot": 0})
+    assert found[0].dimension >= 2 and found[0].verdict.word == "spectrally stable"
+
+
 def test_poles_of_coordinates_give_no_motions() -> None:
     assert all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in vo.steady(SPHERICAL))
     for cone in vo.steady(SPHERICAL, at={"alpha": 1}):

@@ -35,6 +35,7 @@ from voronec.dynamics.spectrum import (
 )
 from voronec.dynamics.steady_equations import (
     SteadyEquations,
+    constants_of,
     read_quantity,
     require_values,
     steady_equations,
@@ -90,19 +91,27 @@ class SteadyMotion:
     def tangents(self) -> np.ndarray:
         """Directions of the family (n, dimension); where families meet, those of one of them.
 
-        A solution is looked for in the plane across a step along the kernel.  On a family it is
-        where the step leads, up to its square; else there is none, or it tells the directions.
+        Solutions are looked for in planes across steps along the kernel.  On a family all are
+        where the steps lead, up to their squares; else there are none, or they tell the directions,
+        by what is left of the kernel there, or by how few they lie in themselves.
         """
         if not self.kernel.size:
             return self.kernel
-        weights = np.random.default_rng(0).normal(size=self.kernel.shape[1])
-        step = NEARBY * self.kernel @ (weights / np.linalg.norm(weights))
-        near = solve_across(self.equations.at, self.y + step, step, self.units)
-        if near is None:
+        count = self.kernel.shape[1]
+        random = np.random.default_rng(0).normal(size=(count, count))
+        steps = (NEARBY * self.kernel @ np.linalg.qr(random)[0]).T
+        ends = (solve_across(self.equations.at, self.y + step, step, self.units) for step in steps)
+        pairs = [(step, z) for step, z in zip(steps, ends, strict=True) if z is not None]
+        if not pairs:
             return self.kernel[:, :0]
-        if np.linalg.norm((near - self.y - step) / self.units) < NEARBY / 10:
+        off = [np.linalg.norm((z - self.y - step) / self.units) for step, z in pairs]
+        if len(pairs) == count and max(off) < NEARBY / 10:
             return self.kernel
-        return null_space(self.equations.at(near)[1], self.units)
+        spaces = (null_space(self.equations.at(z)[1], self.units) for _, z in pairs)
+        space = min(spaces, key=lambda directions: directions.shape[1])
+        _, sizes, right = np.linalg.svd(np.array([(z - self.y) / self.units for _, z in pairs]))
+        rank = int((sizes > NEARBY / 10).sum())
+        return space if space.shape[1] <= rank else self.units[:, None] * right[:rank].T
 
     @property
     def dimension(self) -> int:
@@ -123,7 +132,7 @@ class SteadyMotion:
     @cached_property
     def zero(self) -> tuple[str, ...]:
         """Variables that vanish along the family."""
-        still = np.abs(self.tangents / self.units[:, None]).max(axis=1, initial=0.0) < 1e-9
+        still = np.abs(self.tangents / self.units[:, None]).max(axis=1, initial=0.0) < NEARBY / 10
         names = zip(self.equations.names, self.y, still, strict=True)
         return tuple(name for name, x, rests in names if x == 0 and rests)
 
@@ -337,6 +346,7 @@ def steady(
     given = {f"{plain_name(u)}dot": 0 for u in own.inputs if _holds_rate(equations, u)}
     given |= {plain_name(k): x for k, x in (parameters or {}).items()}
     found = steady_equations(equations, given, said)
+    formulation = found.formulation
     _require_constants(found, given)
     unknown = [plain_name(k) for k in several(free, "free", "name")]
     _require_constants(found, unknown)
@@ -346,7 +356,9 @@ def steady(
     for key, value in (at or {}).items():
         name, expr = read_quantity(found, motions, key)
         held[name] = (expr, expression(value, f"the value of '{name}'"))
-    found = found.fix(held)
+    frozen = {n: x for n, x in found.values.items() if n in map(str, constants_of(formulation))}
+    frozen |= {n: held.pop(n)[1] for n in frozen.keys() & held.keys()}
+    found = replace(found, values={**found.values, **frozen}).fix(held)
     motion = _search(motions, found, said, starts, seed)
     if not exact:
         return motion
@@ -397,9 +409,12 @@ def _search(
             key = (motion.dimension, motion.is_singular, motion.zero, place)
             found.setdefault(key, motion)
     if not found:
+        constant = ", ".join(f"{x} = {equations.values[str(x)]}"
+                             for x in constants_of(equations.formulation))  # fmt: skip
+        other = f"; give others than those that the scene has of constants: {constant}"
         raise DefinitionError(
             f"system '{equations.system.name}': none of {starts} starts leads to a steady "
-            "motion; hold fewer values, or take more starts"
+            f"motion; hold fewer values, or take more starts{other if constant else ''}"
         )
     order = sorted(found.values(), key=lambda m: (not m.is_rest, -len(m.zero), m.dimension))
     return SteadyMotions(equations.system, tuple(order), starts, solved)
