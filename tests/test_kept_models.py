@@ -7,6 +7,7 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,6 +110,11 @@ def test_prepared_problems_give_each_start_what_a_fresh_process_does_bit_for_bit
     """As does a system that nobody has derived in this process, by an integrator of its own."""
     tol = 1e-12 if name == "ball-on-sphere" else 1e-10  # by heyoka and by DOP853
     kinds = [(i, p, np.linspace(0, end, 120)) for i, p, end in KINDS[name]]
+
+    def by_itself(i: Any, p: Any, t: np.ndarray) -> str:
+        system = replace(vo.load(name))
+        return said(vo.integrate(system, "default", t, initial=i, parameters=p, tol=tol))
+
     with monkeypatch.context() as unused:
         unused.setattr(heyoka_stepper, "IDLE", 0)
         fresh = [
