@@ -203,14 +203,18 @@ def jax_call(program: Program, folder: Path) -> Call:
     space: dict[str, Any] = {}
     exec(jax_source(program, slopes=True), space)
 
+    @cache
+    def compiled(count: int) -> Callable[..., Any]:
+        """Everything at once: to compile is what takes long."""
+        groups = tuple(k for k in range(1, count + 1) if k != 2)
+        slopes = jax.jacfwd(space["rhs"], argnums=groups)
+        return jax.jit(lambda *at: (space["rhs"](*at), space["jacobian"](*at), slopes(*at)))
+
     def call(name: str, given: list[list[float]]) -> np.ndarray:
         arrays = [jax.numpy.array(group) for group in given]
+        rates, found, theirs = compiled(len(arrays))(TIME, *arrays)
         if name == "rhs":
-            return np.array(jax.jit(space[name])(TIME, *arrays))
-        groups = tuple(k for k in range(1, len(arrays) + 1) if k != 2)
-        slopes = jax.jacfwd(space["rhs"], argnums=groups)
-        both = jax.jit(lambda *given: (space[name](*given), slopes(*given)))
-        found, theirs = both(TIME, *arrays)
+            return np.array(rates)
         told = np.isfinite(found := np.array(found))
         assert_close(np.hstack([np.array(each) for each in theirs])[told], found[told])
         return found

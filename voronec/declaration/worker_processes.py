@@ -21,6 +21,8 @@ GUARD = (
     "several jobs are processes, which read the script that starts them: call what takes jobs "
     "under if __name__ == '__main__':"
 )
+REIMPORT = 64
+"""The status of a process that ends since it came to where the script starts processes."""
 
 
 class ProcessEnd(EngineLimit):
@@ -44,7 +46,7 @@ def stop_reimport() -> None:
     """End a process that reads the script which started it, and came to where that starts
     processes: the one that started it tells why."""
     if getattr(current_process(), "_inheriting", False):
-        sys.exit(1)
+        sys.exit(REIMPORT)
 
 
 @dataclass
@@ -75,7 +77,7 @@ class Worker:
 
     def ask(self, task: Any) -> Any:
         """What comes of a task; an error is raised as it was, ``ProcessEnd`` where the process is
-        no more."""
+        no more, ``DefinitionError`` where it read a script that starts processes again."""
         with suppress(OSError):  # told by what is received
             if self.work:
                 self.pipe.send_bytes(self.work)
@@ -85,6 +87,8 @@ class Worker:
             well, result = self.pipe.recv()
         except (EOFError, OSError):
             self.process.join()
+            if self.process.exitcode == REIMPORT:
+                raise DefinitionError(GUARD) from None
             raise ProcessEnd(self.process.exitcode) from None
         if not well:
             raise result
