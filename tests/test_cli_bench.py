@@ -101,7 +101,7 @@ def test_ctrl_c_writes_what_is_measured(
     call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _integrate_fails(monkeypatch, "lsoda".__eq__, KeyboardInterrupt())
-    answer = call("bench", spring, "--methods", "scipy,lsoda,python")
+    answer = call("bench", spring, "--methods", "scipy,lsoda,flint")
     assert answer.status == 130
     assert "stopped by hand; what was measured until then is above" in answer.out
     data = json.loads(Path("spring-bench/bench.json").read_text())

@@ -346,13 +346,13 @@ def test_what_normal_forms_make_longer_is_left_as_it_is():
     assert eqs.limit in " ".join(model_text(vo.explain(eqs.system, outputs=(v,))).split())
 
 
-ENTRIES = sp.Matrix(3, 3, sp.symbols("r1:4(1:4)"))
-ORTHOGONAL = ENTRIES.T * ENTRIES - sp.eye(3)
+TURN_MATRIX = sp.Matrix(3, 3, sp.symbols("r1:4(1:4)"))
+ORTHOGONAL = TURN_MATRIX.T * TURN_MATRIX - sp.eye(3)
 
 
 def matrix_turn():
     """The angular velocity in the body, R^T Rdot, by the nine entries of the rotation."""
-    spin = ENTRIES.T * ENTRIES.applyfunc(velocity)
+    spin = TURN_MATRIX.T * TURN_MATRIX.applyfunc(velocity)
     return spin[2, 1], spin[0, 2], spin[1, 0]
 
 
@@ -360,7 +360,7 @@ def matrix_turn():
     ("turn", "places", "raw"),
     [
         (body_turn(), Fibration(q[:3], q[3:], relations=(SPHERE,)), 1000),
-        (matrix_turn(), Fibration((*ENTRIES,)[1:], (*ENTRIES,)[:1], relations=tuple(
+        (matrix_turn(), Fibration((*TURN_MATRIX,)[1:], (*TURN_MATRIX,)[:1], relations=tuple(
             ORTHOGONAL[i, j] for i in range(3) for j in range(i, 3)
         )), 400),
     ],

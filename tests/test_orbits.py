@@ -153,6 +153,18 @@ def test_a_driven_oscillator_has_the_multipliers_of_its_damping() -> None:
         vo.periodic(system, initial={"x": 0.3}, variables=("x",))
 
 
+@pytest.mark.parametrize(("start", "period"), [(1.0, 6.5), (0.5, 6.0), (2.0, None)])
+def test_the_cycle_of_van_der_pol_is_found_from_inside_and_outside(
+    start: float, period: float | None
+) -> None:
+    system = vo.System(
+        "van-der-pol", vo.Fibration(base=(x,)), (vx**2 - x**2) / 2, forces={x: (1 - x**2) * vx}
+    )
+    (orbit,) = vo.periodic(system, initial={"x": start}, period=period, variables=("x",))
+    assert orbit.period == pytest.approx(6.66328685932313, abs=1e-11)
+    assert orbit.stability == "asymptotically stable"
+
+
 def test_multiple_shooting_finds_what_single_shooting_does() -> None:
     one, five = (
         vo.periodic(henon_heiles(), initial={"y": 0.3}, variables=("x", "y"), hold=("energy",),

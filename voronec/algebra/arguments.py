@@ -8,7 +8,7 @@ import numbers
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -77,6 +77,9 @@ FLAG = Kind("True or False", lambda x: type(x).__name__ in ("bool", "bool_"))
 COUNT = Kind("a whole number", _is_count)
 REAL = Kind("a finite real number", lambda x: math.isfinite(in_float(x)))
 TOLERANCE = Kind("a number between 0 and 1, such as 1e-13", lambda x: 0 < in_float(x) < 1)
+OPTIONAL_TEXT, OPTIONAL_COUNT, OPTIONAL_REAL = (
+    replace(kind, optional=True) for kind in (TEXT, COUNT, REAL)
+)
 CALLABLE = Kind("a function", callable, optional=True)
 VALUES = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping), optional=True)
 POINT = Kind("a mapping of values by name", lambda x: isinstance(x, Mapping))
@@ -185,7 +188,7 @@ def accepts(**kinds: Kind) -> Callable[[Function], Function]:
                     continue
                 value = options[name] if named else given[places[name]]
                 require(function.__name__, name, value, kind)
-                if kind in (REAL, TOLERANCE):
+                if kind in (REAL, TOLERANCE, OPTIONAL_REAL) and value is not None:
                     value = in_float(value)
                 if kind is CALLABLE:
                     value = callback(function.__name__, name, value)

@@ -67,7 +67,9 @@ def _lines(found: SteadyFamily) -> list[str]:
     lines += [f"critical: {found.over} = {critical}" for critical in found.critical]
     lines += [f"fold: {found.over} = {value:.13g}" for value in found.folds]
     lines += [f"branch point: {found.over} = {value:.13g}" for value in found.branch_points]
+    from voronec.dynamics.continuation import COMPLETE
+
     for end, why in zip((found.values[0], found.values[-1]), found.ends, strict=True):
-        if why != "the span ends":
+        if why != COMPLETE:
             lines.append(f"  ends at {end:.6g}: {why}")
     return lines

@@ -65,7 +65,7 @@ def lines_of(motion: SteadyMotion) -> list[str]:
     return [
         f"{motion.kind}, {size}{over}; {motion.verdict}",
         *columns(point),
-        f"  eigenvalues: {values}; and {motion.zeros} that vanish for the whole family",
+        f"  eigenvalues: {values}; and {motion.zeros} that vanish",
     ]
 
 

@@ -13,7 +13,7 @@ from voronec.declaration.reading import several
 from voronec.declaration.system import System
 from voronec.dynamics.families import curve_of
 from voronec.dynamics.newton import solve
-from voronec.dynamics.spectrum import Deflation, balance, unstable_count
+from voronec.dynamics.spectrum import Deflation, unstable_count
 from voronec.errors import DefinitionError
 from voronec.motion.request import number
 
@@ -70,11 +70,10 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
         if solution is None:
             continue
         points[i, j] = solution
-        matrix = node.at(solution)[1][: node.size, : node.size]
+        matrix = node.matrix(solution)
         own = Deflation.of(matrix)
         shape = own if shape is None or own.zeros < shape.zeros else shape
-        values = np.linalg.eigvals(balance(shape.remainder(matrix)))
-        found[i, j] = unstable_count(values)
+        found[i, j] = unstable_count(shape.eigenvalues(matrix))
     return SteadyChart(motion.system, x_name, y_name, xs, ys, found, given.held)
 
 

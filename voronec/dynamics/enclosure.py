@@ -47,8 +47,18 @@ def enclosed_on_right(
 
 
 def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
-    """Balls that hold a steady motion, by proof; None where there is none."""
+    """Balls that hold a steady motion, by proof; None where there is none.
+
+    Zeros that leave more equations than unknowns are enclosed like other values.
+    """
     zero = [i for i, x in enumerate(y) if x == 0]
+    tries = (_enclose(motions, equations, y, some) for some in (zero, []))
+    return next((box for box in tries if box is not None), None)
+
+
+def _enclose(
+    motions: Motions, equations: SteadyEquations, y: np.ndarray, zero: Sequence[int]
+) -> list[Any] | None:
     middle = polish(equations, y, BITS)
     middle = [flint.arb(0) if i in zero else x for i, x in enumerate(middle)]
     rows = [i for i, gone in enumerate(identical_zeros(equations, zero)) if not gone]

@@ -28,6 +28,7 @@ from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.normal import quotient
 from voronec.algebra.terms import atoms
+from voronec.dynamics.spectrum import hurwitz_matrix
 from voronec.dynamics.steady_equations import SteadyEquations
 from voronec.equations.program.straight import without_stages
 from voronec.errors import EngineLimit
@@ -151,9 +152,7 @@ class ExactFamily:
             squares = sp.Poly([*reversed(c[::2])], x)
             found["meeting"] = squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
         else:
-            n, down = len(c) - 1, [*reversed(c)]
-            found["pair"] = sp.Matrix(n - 1, n - 1, lambda i, j: down[2 * (j + 1) - i - 1]
-                                      if 0 <= 2 * (j + 1) - i - 1 <= n else 0).det()  # fmt: skip
+            found["pair"] = sp.Matrix(hurwitz_matrix(c)).det()
         return {way: tuple(self._factors(e)) for way, e in found.items()}
 
     def _factors(self, expr: sp.Expr) -> Iterator[sp.Expr]:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -26,12 +26,11 @@ import numpy as np
 
 from voronec.algebra.arguments import (
     CALLABLE,
-    COUNT,
-    REAL,
+    OPTIONAL_COUNT,
+    OPTIONAL_REAL,
     SEVERAL,
     TOLERANCE,
     VALUES,
-    Kind,
     accepts,
 )
 from voronec.algebra.typeset import html_table
@@ -56,8 +55,6 @@ SHARE = 1e-3
 """The bar asked for where none is given, in units of how fast variations change at the start."""
 LONGEST = 3e5
 """So long a motion is followed at most where nothing is said, in units of that time."""
-_OPTIONAL_REAL = Kind(REAL.words, REAL.fits, optional=True)
-_OPTIONAL_COUNT = Kind(COUNT.words, COUNT.fits, optional=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -191,8 +188,8 @@ class Exponents:
 
 
 @accepts(
-    initial=VALUES, parameters=VALUES, inputs=VALUES, variables=SEVERAL, count=_OPTIONAL_COUNT,
-    bar=_OPTIONAL_REAL, until=_OPTIONAL_REAL, tol=TOLERANCE, progress=CALLABLE,
+    initial=VALUES, parameters=VALUES, inputs=VALUES, variables=SEVERAL, count=OPTIONAL_COUNT,
+    bar=OPTIONAL_REAL, until=OPTIONAL_REAL, tol=TOLERANCE, progress=CALLABLE,
 )  # fmt: skip
 def exponents(
     system: System | VoronecEquations,
@@ -237,23 +234,18 @@ def exponents(
         raise DefinitionError("exponents: give initial, or starts, not both")
     space = PhaseSpace.of(system, scene, initial or starts, parameters, inputs, variables)
     n = len(space.names)
-    k = n if count is None else count
     for name, value, good in (
-        ("count", k, 1 <= k <= n), ("bar", bar, bar is None or bar > 0),
+        ("count", count, count is None or 1 <= count <= n), ("bar", bar, bar is None or bar > 0),
         ("until", until, until is None or until > 0),
     ):  # fmt: skip
         if not good:
             raise DefinitionError(f"exponents: {name}={value}: give a number above 0"
                                   + (f", up to {n}" if name == "count" else ""))  # fmt: skip
-    found, errors, interrupted = (
-        _ExponentTable.empty(len(space.motions), k),
-        dict(space.motions.wrong),
-        False,
-    )
-    flow, asked = space.flow(k), 0.0
+    found, flow = _blank(space, count or n), space.flow(count)
+    errors, asked, interrupted = dict(space.motions.wrong), 0.0, False
     for i in space.motions.sound:
         try:
-            asked = found.fill(i, space, flow, bar, until, tol)
+            asked = _fill(found, i, space, flow, bar, until, tol)
         except VoronecError as error:
             errors[i] = error
         except KeyboardInterrupt:
@@ -263,57 +255,46 @@ def exponents(
             progress((i + 1) / len(space.motions))
     if len(space.motions) == 1 and errors:
         raise errors[0]
+    return replace(found, errors=errors, bar=asked, seconds=perf_counter() - began,
+                   interrupted=interrupted)  # fmt: skip
+
+
+def _blank(space: PhaseSpace, k: int) -> Exponents:
+    """What holds no numbers yet, for k exponents of each start."""
+    count = len(space.motions)
+    wide, row = np.full((count, k), np.nan), np.full(count, np.nan)
     return Exponents(
-        space.system, space.names, tuple(space.constants), found.values, found.bars,
-        found.is_settled, found.least_zeros, found.divergence, found.drift,
-        space.reversal(space.motions.sound[0]), found.time, errors, asked, perf_counter() - began,
-        interrupted,
+        space.system, space.names, tuple(space.constants), wide, wide.copy(),
+        np.zeros(count, dtype=bool), np.zeros(count, dtype=int), row, row.copy(),
+        space.reversal(space.motions.sound[0]), row.copy(), {}, 0.0, 0.0,
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class _ExponentTable:
-    """What is filled in motion by motion; the names are those of ``Exponents``."""
-
-    values: np.ndarray
-    bars: np.ndarray
-    is_settled: np.ndarray
-    least_zeros: np.ndarray
-    divergence: np.ndarray
-    drift: np.ndarray
-    time: np.ndarray
-
-    @classmethod
-    def empty(cls, count: int, k: int) -> _ExponentTable:
-        wide, row = np.full((count, k), np.nan), np.full(count, np.nan)
-        flags, zeros = np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
-        return cls(wide, wide.copy(), flags, zeros, row, row.copy(), row.copy())
-
-    def fill(
-        self, i: int, space: PhaseSpace, flow: VariationalFlow, bar: float | None,
-        until: float | None, tol: float,
-    ) -> float:  # fmt: skip
-        """The exponents of motion i; the bar that is asked of them."""
-        x, values, units = space.motions.states[i], space.motions.values[i], space.units(i)
-        rates, matrix = flow.rates(x, values)
-        pace = float(np.linalg.norm(matrix * units / units[:, None], 2))
-        pace = pace or float(np.abs(rates / units).max()) or 1.0
-        asked, latest = bar or SHARE * pace, until or LONGEST / pace
-        state = flow.start(x, units=units)
-        own = _Stretches.along(flow, state, values, tol, asked, latest)
-        order = np.argsort(-own.value, kind="stable")
-        self.values[i], self.bars[i] = own.value[order], own.bar[order]
-        self.is_settled[i] = bool((own.bar <= asked).all())
-        rates, _ = flow.rates(state.x, values)  # of a motion that has come to rest there are none
-        moves = not space.is_driven and bool((np.abs(rates) > tol * pace * units).any())
-        self.least_zeros[i] = space.rank(state.x, values) + moves
-        self.divergence[i], self.time[i] = own.divergence, state.time
-        first, _ = space.constants_at(x, values)
-        last, slopes = space.constants_at(state.x, values)
-        sizes = np.abs(slopes) @ np.maximum(np.abs(state.x), units)
-        off = np.abs(last - first) / np.where(sizes > 0, sizes, 1.0)
-        self.drift[i] = off.max(initial=0.0)
-        return asked
+def _fill(
+    found: Exponents, i: int, space: PhaseSpace, flow: VariationalFlow, bar: float | None,
+    until: float | None, tol: float,
+) -> float:  # fmt: skip
+    """Write the exponents of motion i into ``found``; the bar that is asked of them."""
+    x, values, units = space.motions.states[i], space.motions.values[i], space.units(i)
+    rates, matrix = flow.rates(x, values)
+    pace = float(np.linalg.norm(matrix * units / units[:, None], 2))
+    pace = pace or float(np.abs(rates / units).max()) or 1.0
+    asked, latest = bar or SHARE * pace, until or LONGEST / pace
+    state = flow.start(x, units=units)
+    own = _Stretches.along(flow, state, values, tol, asked, latest)
+    order = np.argsort(-own.value, kind="stable")
+    found.values[i], found.bars[i] = own.value[order], own.bar[order]
+    found.is_settled[i] = bool((own.bar <= asked).all())
+    rates, _ = flow.rates(state.x, values)  # of a motion that has come to rest there are none
+    moves = not space.is_driven and bool((np.abs(rates) > tol * pace * units).any())
+    found.least_zeros[i] = space.rank(state.x, values) + moves
+    found.divergence[i], found.time[i] = own.divergence, state.time
+    first, _ = space.constants_at(x, values)
+    last, slopes = space.constants_at(state.x, values)
+    sizes = np.abs(slopes) @ np.maximum(np.abs(state.x), units)
+    off = np.abs(last - first) / np.where(sizes > 0, sizes, 1.0)
+    found.drift[i] = off.max(initial=0.0)
+    return asked
 
 
 @dataclass(frozen=True, eq=False)

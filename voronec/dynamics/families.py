@@ -1,19 +1,17 @@
-"""Families of steady motions over a quantity: pseudo-arclength, folds, branch points, critical
-values.
+"""Families of steady motions over a quantity: folds, branch points, critical values.
 
-    F(y) = 0,   t . (y - y0) = ds
-
-with the tangent t of the curve [Keller1977].  Where a motion belongs to a family of d dimensions,
-d - 1 variables are held.  At a fold the quantity turns back; at a branch point the Jacobian loses
-one more rank, where the determinant of its regular rows and t changes its sign.  A critical value
-is where the number of eigenvalues right of the imaginary axis changes.
+Where a motion belongs to a family of d dimensions, d - 1 variables are held, so that a curve is
+left, which ``continuation`` follows.  At a fold the quantity turns back; at a branch point the
+Jacobian loses one more rank, where the determinant of its regular rows and the tangent changes its
+sign.  A critical value is where the number of eigenvalues right of the imaginary axis changes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import flint
@@ -24,20 +22,19 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
-from voronec.dynamics.newton import null_space, pivots, polish, solve
+from voronec.dynamics.continuation import COMPLETE, follow, root_between
+from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
 from voronec.dynamics.spectrum import (
     Deflation,
-    balance,
     characteristic,
     conditions_in_doubles,
     discriminant,
     hurwitz,
-    in_order,
     to_mpf,
     unstable_count,
 )
 from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
-from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.request import number
 
 if TYPE_CHECKING:
@@ -45,8 +42,6 @@ if TYPE_CHECKING:
 
 LONGEST = 0.25
 """A step goes no further than this, in the units of the variables."""
-SHORTEST = 1e-6
-"""A share of the usual step, below which a family is not followed any further."""
 TIMES = 20
 """A family has at most so many times the points that were asked for."""
 CRITICAL_BITS = 200
@@ -127,23 +122,17 @@ class SteadyFamily:
     @cached_property
     def matrices(self) -> np.ndarray:
         """The matrices A (k, n, n) of dx' = A dx."""
-        n = self.curve.equations.size
-        return np.array([self.curve.function(y)[1][:n, :n] for y in self.points])
+        return np.array([self.curve.equations.matrix(y) for y in self.points])
 
     @cached_property
     def deflation(self) -> Deflation:
         """How many eigenvalues vanish all along: the fewest of all points."""
-        found = [Deflation.of(matrix) for matrix in self.matrices]
-        return min(found, key=lambda d: d.zeros)
+        return min(map(Deflation.of, self.matrices), key=lambda d: d.zeros)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
         """Those (k, m) that do not vanish all along, by real part, then imaginary part."""
-        return np.array([in_order(self._spectrum(matrix)) for matrix in self.matrices])
-
-    def _spectrum(self, matrix: np.ndarray) -> np.ndarray:
-        found: np.ndarray = np.linalg.eigvals(balance(self.deflation.remainder(matrix)))
-        return found
+        return np.array([self.deflation.eigenvalues(matrix) for matrix in self.matrices])
 
     @cached_property
     def unstable(self) -> np.ndarray:
@@ -153,32 +142,23 @@ class SteadyFamily:
     @cached_property
     def folds(self) -> tuple[float, ...]:
         """The values at which the quantity turns back."""
+        curve = self.curve
         return tuple(
-            self._sign_changes(lambda y, _: float(self.curve.slope(y) @ self.curve.tangent(y)))
+            self._values_at_roots(lambda y, before, ahead: curve.slope(y) @ curve.tangent(y, ahead))
         )
 
     @cached_property
     def branch_points(self) -> tuple[float, ...]:
         """The values at which other families branch off."""
-        return tuple(self._sign_changes(self.curve.regularity))
+        return tuple(self._values_at_roots(self.curve.regularity))
 
-    def _sign_changes(self, measure: Callable[[np.ndarray, np.ndarray], float]) -> Iterator[float]:
-        """Where a function of a point, seen from the one before, changes its sign."""
-        from scipy.optimize import brentq
-
-        curve = self.curve
-        for a, b in zip(self.points[:-1], self.points[1:], strict=True):
-            ahead = curve.tangent_ahead(a, b - a)
-
-            def at(share: float, a: np.ndarray = a, b: np.ndarray = b,
-                   ahead: np.ndarray = ahead) -> float:  # fmt: skip
-                y = curve.between(a, b, share)
-                return measure(y, a) * float(np.sign(curve.tangent(y) @ ahead) or 1.0)
-
-            begin, end = at(0.0), at(1.0)
-            if begin * end < 0:
-                share = brentq(at, 0.0, 1.0, xtol=1e-13, rtol=1e-13)
-                yield float(curve.value(curve.between(a, b, float(share))))
+    def _values_at_roots(self, measure: Callable[..., float]) -> Iterator[float]:
+        """The values at which a function of a point, the point before it and the direction between
+        these vanishes."""
+        for a, b in pairwise(self.points):
+            y = root_between(self.curve, a, b, partial(measure, before=a, ahead=b - a))
+            if y is not None:
+                yield self.curve.value(y)
 
     @cached_property
     def critical(self) -> tuple[Critical, ...]:
@@ -190,39 +170,29 @@ class SteadyFamily:
 
     def _critical(self, k: int) -> Critical | None:
         """That between the points k and k + 1; None where no condition changes its sign."""
-        from scipy.optimize import brentq
-
         a, b = self.points[k : k + 2]
         below, above = int(self.unstable[k]), int(self.unstable[k + 1])
-        ends = [self._in_doubles(y) for y in (a, b)]
-        for way in ends[0].keys() & ends[1].keys():
-            if ends[0][way] * ends[1][way] < 0 and ((below - above) % 2 == 1) == (way == "real"):
-
-                def at(share: float, way: str = way) -> float:
-                    return self._in_doubles(self.curve.between(a, b, share))[way]
-
-                y = self.curve.between(a, b, brentq(at, 0.0, 1.0, xtol=1e-13))
+        for way in self._conditions(a).keys() & self._conditions(b).keys():
+            if ((below - above) % 2 == 1) != (way == "real"):
+                continue
+            y = root_between(self.curve, a, b, partial(self._condition, way))
+            if y is not None:
                 exact, size = self._in_digits(way, y, a, b), float(np.ptp(self.values))
                 exact = exact if abs(exact) > 1e-14 * size else mp.mpf(0)
                 return Critical(float(exact), exact, way, below, above)
         return None
 
-    def _solution_at(self, value: Any, near: np.ndarray) -> tuple[SolutionCurve, np.ndarray]:
-        curve = self.curve.at_value(value)
-        y = solve(curve.function, near, curve.units)
-        if y is None:
-            raise EngineLimit(f"the family is lost at {self.over} = {float(value):g}")
-        return curve, y
-
-    def _in_doubles(self, y: np.ndarray) -> dict[str, float]:
+    def _conditions(self, y: np.ndarray) -> dict[str, float]:
         """What changes its sign at critical values, at a point of the curve."""
-        n = self.curve.equations.size
-        return conditions_in_doubles(self.deflation.remainder(self.curve.function(y)[1][:n, :n]))
+        return conditions_in_doubles(self.deflation.remainder(self.curve.equations.matrix(y)))
+
+    def _condition(self, way: str, y: np.ndarray) -> float:
+        return self._conditions(y)[way]
 
     def _in_digits(self, way: str, near: np.ndarray, a: np.ndarray, b: np.ndarray) -> mp.mpf:
         """Where a condition vanishes, by secants from what doubles tell; at a fold, where the
         quantity is no coordinate of the curve, it is as exact as doubles are."""
-        rough, along = self.curve.value(near), self.curve.tangent_ahead(near, b - a)
+        rough, along = self.curve.value(near), self.curve.tangent(near, b - a)
         rate = abs(float(self.curve.slope(near) @ along))
         if rate < FLAT * float(np.abs(self.curve.slope(near) * self.curve.units).max()):
             return mp.mpf(rough)
@@ -241,10 +211,10 @@ class SteadyFamily:
             return x[-1]
 
     def _exact_condition(self, way: str, value: mp.mpf, near: np.ndarray) -> mp.mpf:
-        curve, y = self._solution_at(value, near)
-        exact = polish(curve.equations, y, CRITICAL_BITS)
-        slopes = curve.equations.slopes_in_balls(exact, CRITICAL_BITS)
-        found = characteristic(slopes, curve.equations.size, self.deflation.zeros)
+        motion = self._motion_at(value, near)
+        exact = polish(motion.equations, motion.y, CRITICAL_BITS)
+        slopes = motion.equations.slopes_in_balls(exact, CRITICAL_BITS)
+        found = characteristic(slopes, motion.equations.size, self.deflation.zeros)
         found = [c.mid() for c in found]
         if way == "real":
             return to_mpf(found[0])
@@ -259,10 +229,16 @@ class SteadyFamily:
                 f"the family has no motion with {self.over} = {x:g}; give a value between "
                 f"{self.values.min():g} and {self.values.max():g}"
             )
-        curve, near = self.curve.at_value(value), self.points[int(np.flatnonzero(inside)[0])]
+        return self._motion_at(value, self.points[int(np.flatnonzero(inside)[0])])
+
+    def _motion_at(self, value: Any, near: np.ndarray) -> Any:
+        """The motion with a value of the quantity, near a point of the curve."""
+        curve = self.curve.with_value(value)
         y = solve(curve.function, near, curve.units)
         if y is None:
-            raise IntegrationError(f"the family is lost at {self.over} = {x:g}", x, near)
+            raise IntegrationError(
+                f"the family is lost at {self.over} = {float(value):g}", float(value), near
+            )
         return replace(self.motion, equations=curve.equations, y=y, units=curve.units)
 
     def plot(self) -> Figure:
@@ -311,47 +287,36 @@ class SolutionCurve:
         found: np.ndarray = self.equations.at(y)[1][-1]
         return found
 
-    def tangent(self, y: np.ndarray) -> np.ndarray:
-        """The tangent (n,), of length one in the units, in either direction."""
-        found: np.ndarray = null_space(self.function(y)[1], self.units, 1)[:, 0]
-        return found
-
-    def tangent_ahead(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
-        """The tangent that goes ahead."""
-        t = self.tangent(y)
+    def tangent(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
+        """The tangent (n,) on the side of ``ahead``, of length one in the units."""
+        t: np.ndarray = null_space(self.function(y)[1], self.units, 1)[:, 0]
         return t if (t / self.units) @ (ahead / self.units) >= 0 else -t
 
-    def regularity(self, y: np.ndarray, before: np.ndarray) -> float:
-        """The determinant of the rows that are regular at the point before, and the tangent."""
+    def regularity(self, y: np.ndarray, before: np.ndarray, ahead: np.ndarray) -> float:
+        """The determinant of the rows that are regular at the point before, and the tangent on the
+        side of ``ahead``."""
         left, sizes, _ = np.linalg.svd(self.function(before)[1] * self.units)
         rows = left[:, : len(y) - 1].T @ (self.function(y)[1] * self.units)
-        matrix = np.vstack([rows / sizes[: len(rows), None], self.tangent(y) / self.units])
+        matrix = np.vstack([rows / sizes[: len(rows), None], self.tangent(y, ahead) / self.units])
         return float(np.linalg.det(matrix))
 
-    def onto(self, y: np.ndarray, along: np.ndarray) -> np.ndarray | None:
+    def onto(self, y: np.ndarray, across: np.ndarray) -> np.ndarray | None:
         """The point of the curve in the plane through y across a direction."""
-        row = along / self.units**2
+        return solve_across(self.function, y, across, self.units)
 
-        def function(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, slopes = self.function(z)
-            return np.append(value, row @ (z - y)), np.vstack([slopes, row])
-
-        return solve(function, y, self.units)
-
-    def between(self, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
-        """The point of the curve at a share of the chord between two of its points."""
-        found = self.onto(a + share * (b - a), b - a)
-        if found is None:
-            raise EngineLimit("a family cannot be followed between two of its points")
-        return found
-
-    def at_value(self, value: Any) -> SolutionCurve:
-        """The point of the curve at which the quantity has a value."""
+    def with_value(self, value: Any) -> SolutionCurve:
+        """The point of the curve at which the quantity has a value, as the equations for it."""
         name, expr = self.equations.held[-1]
         return SolutionCurve(self.equations.fix({name: (expr, value)}), self.units, True)
 
+    def at_value(self, value: Any, near: np.ndarray) -> np.ndarray | None:
+        """The point with a value of the quantity, near a point."""
+        return solve(self.with_value(value).function, near, self.units)
 
-def follow(motion: Any, over: Any, between: Sequence[Any], hold: Any, count: int) -> SteadyFamily:
+
+def steady_family(
+    motion: Any, over: Any, between: Sequence[Any], hold: Any, count: int
+) -> SteadyFamily:
     """The family of a motion over a quantity, as ``SteadyMotion.along`` has it."""
     if not isinstance(between, Sequence) or isinstance(between, str) or len(between) != 2:
         raise DefinitionError("between: give the two ends of the span, such as between=(0, 10)")
@@ -365,8 +330,10 @@ def follow(motion: Any, over: Any, between: Sequence[Any], hold: Any, count: int
     if not low <= begin <= high:
         start = _towards(curve, start, begin, low if begin < low else high, name)
     step = (high - low) / count
-    halves = [_half(curve, start, sign, (low, high), step, TIMES * count) for sign in (-1.0, 1.0)]
-    (back, first), (on, last) = halves
+    (back, first), (on, last) = (
+        follow(curve, start, sign, (low, high), step, TIMES * count, LONGEST)
+        for sign in (-1.0, 1.0)
+    )
     points = np.array([*reversed(back), start, *on])
     values = np.array([curve.value(y) for y in points])
     return SteadyFamily(motion, name, held, curve, points, values, (first, last))
@@ -427,42 +394,10 @@ def _towards(
     """The first point of the curve in the span."""
     sign = 1.0 if target > begin else -1.0
     span = (min(begin, target), max(begin, target))
-    found, why = _half(curve, start, sign, span, abs(target - begin) / 20, 400)
-    if why != "the span ends":
+    found, why = follow(curve, start, sign, span, abs(target - begin) / 20, 400, LONGEST)
+    if why != COMPLETE:
         raise DefinitionError(
             f"the family does not reach {name} = {target:g}: from {begin:g} on, {why}; give "
             "another span"
         )
     return found[-1]
-
-
-def _half(
-    curve: SolutionCurve,
-    start: np.ndarray,
-    sign: float,
-    span: tuple[float, float],
-    step: float,
-    most: int,
-) -> tuple[list[np.ndarray], str]:
-    """Points from the start on, as long as the quantity is in the span, and why they end."""
-    slope, t = curve.slope(start), curve.tangent(start)
-    t = t * (np.sign(slope @ t) or 1.0) * sign
-    y, found, share = start, list[np.ndarray](), 1.0
-    while len(found) < most:
-        rate = abs(float(curve.slope(y) @ t))
-        length = share * min(LONGEST, step / rate if rate > 0 else LONGEST)
-        ahead = curve.onto(y + length * t, t)
-        new = None if ahead is None else curve.tangent_ahead(ahead, t)
-        if ahead is None or new is None or (new / curve.units) @ (t / curve.units) < 0.9:
-            share /= 2
-            if share < SHORTEST:
-                return found, "it cannot be followed"
-            continue
-        value = curve.value(ahead)
-        if not span[0] <= value <= span[1]:
-            edge = curve.at_value(span[0] if value < span[0] else span[1])
-            last = solve(edge.function, y, curve.units)
-            return [*found, *([] if last is None else [last])], "the span ends"
-        y, t, share = ahead, new, min(1.0, 2 * share)
-        found.append(y)
-    return found, f"{most} points were made"

@@ -25,9 +25,16 @@ RANK = 1e-7
 are known to 1e-12, and the Jacobian no better than that."""
 
 
-def solve(function: Function, y: np.ndarray, units: np.ndarray) -> np.ndarray | None:
+def solve(
+    function: Function, y: np.ndarray, units: np.ndarray,
+    close: float = 1e-13, singular: float = 1e-14,
+) -> np.ndarray | None:  # fmt: skip
     """A solution near y (n,), whose entries are of the sizes ``units`` (n,); None where Newton's
-    method finds none."""
+    method finds none.
+
+    Rows of the Jacobian are scaled to length one.  Where |F| is below ``close`` and falls no
+    further it is solved; singular values below ``singular`` are taken for zero.
+    """
     y, damping = np.array(y, dtype=float), 1.0
     value, slopes = function(y)
     if not np.isfinite(value).all() or not np.isfinite(slopes).all():
@@ -36,7 +43,7 @@ def solve(function: Function, y: np.ndarray, units: np.ndarray) -> np.ndarray | 
     for _ in range(STEPS):
         matrix, rest = slopes * units / rows[:, None], value / rows
         size = float(np.linalg.norm(rest))
-        step = units * _weighted_step(matrix, rest, damping * min(size, 1.0) ** 2)
+        step = units * _weighted_step(matrix, rest, damping * min(size, 1.0) ** 2, singular)
         ahead = y - step
         new_value, new_slopes = function(ahead)
         new = np.linalg.norm(new_value / rows)
@@ -44,13 +51,26 @@ def solve(function: Function, y: np.ndarray, units: np.ndarray) -> np.ndarray | 
             y, value, slopes, damping = ahead, new_value, new_slopes, damping / 5
             if np.abs(step / units).max(initial=0.0) < 1e-11 and new < 1e-11:
                 return y
-        elif size < 1e-13:
+        elif size < close:
             return y
         else:
             damping = 4 * damping
             if damping > 1e12:
                 return None
     return None
+
+
+def solve_across(
+    function: Function, y: np.ndarray, across: np.ndarray, units: np.ndarray, **accuracy: float
+) -> np.ndarray | None:
+    """The solution in the plane through y across a direction (n,), as ``solve`` finds it."""
+    row = across / units**2
+
+    def joint(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        value, slopes = function(z)
+        return np.append(value, row @ (z - y)), np.vstack([slopes, row])
+
+    return solve(joint, y, units, **accuracy)
 
 
 def _row_sizes(matrix: np.ndarray) -> np.ndarray:
@@ -60,10 +80,12 @@ def _row_sizes(matrix: np.ndarray) -> np.ndarray:
     return np.maximum(sizes, 1e-3 * longest)
 
 
-def _weighted_step(matrix: np.ndarray, rest: np.ndarray, weight: float) -> np.ndarray:
+def _weighted_step(
+    matrix: np.ndarray, rest: np.ndarray, weight: float, singular: float
+) -> np.ndarray:
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
     share = sizes / np.maximum(sizes**2 + weight, 1e-300)
-    share[sizes < 1e-14] = 0.0
+    share[sizes < singular] = 0.0
     return right.T @ (share * (left.T @ rest))
 
 

@@ -5,8 +5,8 @@
 w are whole turns of angles.  Newton's method on the states at the ends of m parts of the period, by
 the variational equations (multiple shooting [StoerBulirsch2002, sec. 7.3.5]): closure, a condition
 that keeps the phase, and the constants of the motion that are held; these are more equations than
-unknowns, but consistent, and where they leave a choice the nearest orbit is taken.  Families are
-followed by their arclength [AllgowerGeorg1990].
+unknowns, but consistent, and where they leave a choice the nearest orbit is taken.
+``continuation`` follows families.
 
 A constant of the motion c has dc M = dc, the rates f have M f = f.  In an orthonormal basis of f,
 the rest of the kernel of all dc, and what is left, M is block triangular:
@@ -22,8 +22,9 @@ apart by their size, and those at 1 keep their digits, which the Jordan blocks o
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial, reduce
+from itertools import pairwise
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -32,29 +33,26 @@ import numpy as np
 from voronec.algebra.arguments import (
     CALLABLE,
     COUNT,
-    REAL,
+    OPTIONAL_COUNT,
+    OPTIONAL_REAL,
+    OPTIONAL_TEXT,
     SEVERAL,
-    TEXT,
     TOLERANCE,
     VALUES,
-    Kind,
     accepts,
 )
 from voronec.algebra.typeset import html_table
 from voronec.declaration.reading import several
 from voronec.declaration.system import System
-from voronec.dynamics.newton import null_space
+from voronec.dynamics.continuation import COMPLETE, follow, root_between
+from voronec.dynamics.newton import null_space, solve, solve_across
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
+from voronec.errors import DefinitionError, VoronecError, did_you_mean
 
 CLOSURE = 1e-10
 """An orbit closes to this part of the sizes of its variables."""
-ITERATIONS = 40
-DAMPINGS = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
-"""Where a step of Newton's method leads farther away, damped ones of Levenberg and Marquardt are
-tried."""
 SINGULAR = 1e-7
 """Directions that the equations tell apart by less than this part are free."""
 WIDE = 1e4
@@ -70,13 +68,10 @@ NEAR = 0.3
 """It has come back where it is nearer than this part of the farthest it went."""
 POINTS = 201
 """So many points of an orbit are kept."""
-SHORTEST = 1e-6
-"""A stride along a family, in units of the variables, below which it ends."""
+RECENT = 8
+"""The flow along so many orbits is kept: equations, tangents and multipliers ask for it again."""
 COARSE = 1e-9
 """The tolerance with which guesses and pictures are computed."""
-_OPTIONAL_REAL = Kind(REAL.words, REAL.fits, optional=True)
-_OPTIONAL_COUNT = Kind(COUNT.words, COUNT.fits, optional=True)
-_OPTIONAL_TEXT = Kind(TEXT.words, TEXT.fits, optional=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,8 +193,8 @@ class OrbitFamily:
 
 
 @accepts(
-    initial=VALUES, period=_OPTIONAL_REAL, parameters=VALUES, inputs=VALUES, variables=SEVERAL,
-    hold=SEVERAL, along=_OPTIONAL_TEXT, to=_OPTIONAL_REAL, points=COUNT, segments=_OPTIONAL_COUNT,
+    initial=VALUES, period=OPTIONAL_REAL, parameters=VALUES, inputs=VALUES, variables=SEVERAL,
+    hold=SEVERAL, along=OPTIONAL_TEXT, to=OPTIONAL_REAL, points=COUNT, segments=OPTIONAL_COUNT,
     tol=TOLERANCE, progress=CALLABLE,
 )  # fmt: skip
 def periodic(
@@ -233,7 +228,7 @@ def periodic(
         orbits the nearest is taken, and families go where what they are followed along grows most.
     along, to
         an integral or a parameter, and the value up to which the family is followed; then the
-        family has ``points`` orbits at most, about evenly spaced in it.
+        family has about ``points`` orbits, evenly spaced in it, and twice as many at most.
     segments
         parts of the period in multiple shooting; by default as many as the growth of variations
         asks for.
@@ -259,33 +254,40 @@ def periodic(
         if name not in known:
             raise DefinitionError(f"hold: there is no proved integral '{name}' here"
                                   + did_you_mean(name, known))  # fmt: skip
-    shooting = _OrbitEquations.of(space, tuple(names), along, period, segments, tol)
-    unknowns = shooting.solve(shooting.guess, None)
-    first = shooting.orbit(unknowns)
-    if along is None or to is None:
-        return OrbitFamily("period", (first,), (), "alone", perf_counter() - began)
-    orbits, bifurcations, ended = shooting.follow(unknowns, first, to, points, progress)
-    return OrbitFamily(along, orbits, bifurcations, ended, perf_counter() - began)
+    curve = _OrbitEquations.of(space, tuple(names), along, period, segments, tol)
+    unknowns, ended = [curve.solve_from_guess()], "alone"
+    bifurcations = list[Bifurcation]()
+    if along is not None and to is not None:
+        curve = curve.without_target()
+        more, ended = curve.follow(unknowns[0], to, points, progress)
+        unknowns += more
+    orbits = tuple(map(curve.orbit, unknowns))
+    for ends in pairwise(zip(unknowns, orbits, strict=True)):
+        bifurcations += curve.bifurcations(*ends)
+    return OrbitFamily(along or "period", orbits, tuple(bifurcations), ended,
+                       perf_counter() - began)  # fmt: skip
 
 
-class _Linear(NamedTuple):
-    """The equations at unknowns: what they are off (e,), their slopes (e, u), and the slopes of the
-    flow over the parts of the period."""
+class _Arc(NamedTuple):
+    """The motion over one part of the period: where it ends (n,), and the slopes of that by where
+    it begins (n, n)."""
 
-    off: np.ndarray
+    end: np.ndarray
     slopes: np.ndarray
-    steps: list[np.ndarray]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _OrbitEquations:
-    """The equations of a periodic orbit; unknowns are the states at the beginnings of the parts of
-    the period, in ``units``, and the period in units of its guess."""
+    """The equations of a periodic orbit, whose solutions are a ``ContinuationCurve``.
+
+    Unknowns are the states at the beginnings of the parts of the period, in ``state_units``, and
+    the period in units of its guess, ``span``.
+    """
 
     space: PhaseSpace
     flow: VariationalFlow
     values: np.ndarray
-    units: np.ndarray
+    state_units: np.ndarray
     held: np.ndarray
     targets: np.ndarray
     along: int | None
@@ -295,6 +297,7 @@ class _OrbitEquations:
     guess: np.ndarray
     anchor: tuple[np.ndarray, np.ndarray]
     tol: float
+    recent: dict[Any, tuple[_Arc, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -329,134 +332,141 @@ class _OrbitEquations:
         count = 1
         while count < MOST_SEGMENTS:
             trial = made.in_parts(count)
-            steps = trial.linear(trial.guess, None).steps
-            if max(np.linalg.norm(s / units[:, None] * units, 2) for s in steps) < WIDE:
+            slopes = [arc.slopes / units[:, None] * units for arc in trial.arcs(trial.guess)]
+            if max(np.linalg.norm(s, 2) for s in slopes) < WIDE:
                 break
             count *= 2
         return made.in_parts(count)
 
     def in_parts(self, count: int) -> _OrbitEquations:
         """With so many parts, the guess along the motion from the start."""
-        rows, state = [self.anchor[0]], self.flow.start(self.anchor[0], units=self.units)
+        rows, state = [self.anchor[0]], self.flow.start(self.anchor[0], units=self.state_units)
         for i in range(1, count):
             self.flow.go(state, self.span * i / count, self.values, self.tol, 1)
             rows.append(state.x.copy())
-        guess = np.append((np.array(rows) / self.units).ravel(), 1.0)
+        guess = np.append((np.array(rows) / self.state_units).ravel(), 1.0)
         return replace(self, segments=count, guess=guess)
 
     def states(self, unknowns: np.ndarray) -> np.ndarray:
         """The states (m, n) of unknowns."""
-        return unknowns[:-1].reshape(self.segments, -1) * self.units
+        return unknowns[:-1].reshape(self.segments, -1) * self.state_units
 
     def period(self, unknowns: np.ndarray) -> float:
         """The period of unknowns."""
         return float(unknowns[-1] * self.span)
 
-    def linear(
-        self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None
-    ) -> _Linear:  # fmt: skip
-        """The equations, and behind them that of a plane: ``aim`` is a point on it and its
-        normal."""
-        n, m, units = len(self.units), self.segments, self.units
-        x, part = self.states(unknowns), self.period(unknowns) / m
-        off, slopes, steps = np.zeros((m, n)), np.zeros((m, n, len(unknowns))), []
-        for i in range(m):
-            state = self.flow.start(x[i], time=i * part * self.space.is_driven, columns=np.eye(n))
+    def arcs(self, unknowns: np.ndarray) -> tuple[_Arc, ...]:
+        """The motion over the parts of the period."""
+        key = self.segments, unknowns.tobytes()
+        if key not in self.recent:
+            if len(self.recent) >= RECENT:
+                self.recent.clear()
+            self.recent[key] = tuple(self._integrate(unknowns))
+        return self.recent[key]
+
+    def _integrate(self, unknowns: np.ndarray) -> Iterator[_Arc]:
+        n, part = len(self.state_units), self.period(unknowns) / self.segments
+        for i, x in enumerate(self.states(unknowns)):
+            state = self.flow.start(x, time=i * part * self.space.is_driven, columns=np.eye(n))
             self.flow.go(state, state.time + part, self.values, self.tol)
+            yield _Arc(state.x.copy(), state.columns.copy())
+
+    def function(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the equations are off (e,), and the slopes of that (e, u); not finite where the
+        motion cannot be followed."""
+        if 0.01 < unknowns[-1] < 100:
+            try:
+                parts = self._closing(unknowns), self._conditions(unknowns)
+                return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+            except VoronecError:
+                pass
+        count = len(unknowns) + len(self.held)
+        return np.full(count, np.nan), np.full((count, len(unknowns)), np.nan)
+
+    def _closing(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By what the ends of the parts miss the next beginnings; the slopes."""
+        n, m, units, x = (
+            len(self.state_units),
+            self.segments,
+            self.state_units,
+            self.states(unknowns),
+        )
+        off, slopes = np.zeros((m, n)), np.zeros((m, n, len(unknowns)))
+        arcs = self.arcs(unknowns)
+        for i, (end, columns) in enumerate(arcs):
             j = (i + 1) % m
-            off[i] = (state.x - x[j]) / units
-            slopes[i, :, i * n : (i + 1) * n] += state.columns * units / units[:, None]
+            off[i] = (end - x[j]) / units
+            slopes[i, :, i * n : (i + 1) * n] += columns * units / units[:, None]
             slopes[i, :, j * n : (j + 1) * n] -= np.eye(n)
             if not self.space.is_driven:
-                rates, _ = self.flow.rates(state.x, self.values)
-                slopes[i, :, -1] = rates * self.span / m / units
-            steps.append(state.columns.copy())
-        off[-1] -= self.turns(unknowns, state.x) * 2 * np.pi / units
-        further = [self._conditions(unknowns)]
-        if aim is not None:
-            further.append((np.array([aim[1] @ (unknowns - aim[0])]), aim[1][None]))
-        return _Linear(
-            np.concatenate([off.ravel(), *(part for part, _ in further)]),
-            np.concatenate([slopes.reshape(m * n, -1), *(rows for _, rows in further)]), steps,
-        )  # fmt: skip
+                slopes[i, :, -1] = self._rates(end) * self.span / m / units
+        off[-1] -= self.turns(unknowns) * 2 * np.pi / units
+        return off.ravel(), slopes.reshape(m * n, -1)
+
+    def _rates(self, x: np.ndarray) -> np.ndarray:
+        return self.flow.rates(x, self.values)[0]
 
     def _conditions(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What constants are off their values, and a point of the orbit its place; the slopes."""
-        x, n, held = self.states(unknowns)[0], len(self.units), self.held
+        x, n, held = self.states(unknowns)[0], len(self.state_units), self.held
         constants, gradients = self.space.constants_at(x, self.values)
-        sizes = np.linalg.norm(gradients * self.units, axis=1)[held]
+        sizes = np.linalg.norm(gradients * self.state_units, axis=1)[held]
         sizes[sizes == 0] = 1.0
         off, slopes = np.zeros(len(held) + 1), np.zeros((len(held) + 1, len(unknowns)))
         off[:-1] = (constants[held] - self.targets) / sizes
-        slopes[:-1, :n] = gradients[held] * self.units / sizes[:, None]
+        slopes[:-1, :n] = gradients[held] * self.state_units / sizes[:, None]
         if self.space.is_driven:  # then the period is known
             off[-1], slopes[-1, -1] = unknowns[-1] - 1.0, 1.0
         else:  # of all its points the orbit is told by one
             place, rates = self.anchor
-            slopes[-1, :n] = rates / self.units / np.linalg.norm(rates / self.units)
-            off[-1] = slopes[-1, :n] @ ((x - place) / self.units)
+            slopes[-1, :n] = rates / self.state_units / np.linalg.norm(rates / self.state_units)
+            off[-1] = slopes[-1, :n] @ ((x - place) / self.state_units)
         return off, slopes
 
-    def turns(self, unknowns: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def turns(self, unknowns: np.ndarray) -> np.ndarray:
         """By how many whole turns angles have grown."""
-        grown = (end - self.states(unknowns)[0]) / (2 * np.pi)
+        grown = (self.arcs(unknowns)[-1].end - self.states(unknowns)[0]) / (2 * np.pi)
         return np.where(self.turning, np.round(grown), 0.0)
 
-    def solve(self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray:
-        """Newton's method; ``DefinitionError`` where it does not converge."""
-        here = self.linear(unknowns, aim)
-        error = float(np.abs(here.off).max())
-        for _ in range(ITERATIONS):
-            left, sizes, right = np.linalg.svd(here.slopes, full_matrices=False)
-            rank = int((sizes > SINGULAR * sizes[0]).sum())
-            sizes, parts = sizes[:rank], left.T[:rank] @ here.off
-            for damping in DAMPINGS:
-                weights = sizes / (sizes**2 + damping * sizes[0] ** 2)
-                trial = unknowns - right[:rank].T @ (weights * parts)
-                there = self._try(trial, aim)
-                if there is not None and np.abs(there.off).max() < 0.9 * error:
-                    break
-            else:
-                break
-            unknowns, here, error = trial, there, float(np.abs(there.off).max())
-        if error > CLOSURE:
+    def solve_from_guess(self) -> np.ndarray:
+        """The unknowns of the orbit to which the guess leads; ``DefinitionError`` if to none."""
+        found = solve(self.function, self.guess, self.units, CLOSURE, SINGULAR)
+        if found is None or not self._closes(found):
+            error = np.abs(self.function(self.guess)[0]).max()
             raise DefinitionError(
-                f"no periodic orbit is found near the start: what is nearest fails to close by "
-                f"{error:.1e} after t = {self.period(unknowns):.6g}; give another start or period"
+                f"no periodic orbit is found near the start, which fails to close by {error:.1e} "
+                f"after t = {self.span:.6g}; give another start or period"
                 + (", or hold fewer integrals" if len(self.held) else "")
             )
-        x = self.states(unknowns)[0]
-        rates, matrix = self.flow.rates(x, self.values)
-        pace = np.linalg.norm(matrix * self.units / self.units[:, None], 2)
-        if not 0.01 < unknowns[-1] < 100 or np.abs(rates / self.units).max() < STILL * pace:
+        if self._is_still(found):
             raise DefinitionError("the guess leads to an equilibrium; start farther away from it")
-        return unknowns
+        return found
 
-    def _try(
-        self, unknowns: np.ndarray, aim: tuple[np.ndarray, np.ndarray] | None
-    ) -> _Linear | None:
-        """The equations, where the motion can be followed."""
-        if not unknowns[-1] > 0.01:
-            return None
-        try:
-            return self.linear(unknowns, aim)
-        except VoronecError:
-            return None
+    def _closes(self, unknowns: np.ndarray) -> bool:
+        return bool(np.abs(self.function(unknowns)[0]).max() <= CLOSURE)
 
-    def multipliers(self, unknowns: np.ndarray) -> tuple[Any, ...]:
-        """The monodromy, trivial and other multipliers, and what the orbit fails to close by."""
-        here, x = self.linear(unknowns, None), self.states(unknowns)[0]
-        monodromy = reduce(lambda before, after: after @ before, here.steps)
-        rates = None if self.space.is_driven else self.flow.rates(x, self.values)[0]
+    def _is_still(self, unknowns: np.ndarray) -> bool:
+        rates, matrix = self.flow.rates(self.states(unknowns)[0], self.values)
+        units = self.state_units
+        pace = np.linalg.norm(matrix * units / units[:, None], 2)
+        return bool(np.abs(rates / units).max() < STILL * pace)
+
+    def multipliers(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The monodromy, trivial and other multipliers."""
+        x = self.states(unknowns)[0]
+        monodromy = reduce(
+            lambda before, arc: arc.slopes @ before, self.arcs(unknowns), np.eye(len(x))
+        )
+        rates = None if self.space.is_driven else self._rates(x)
         gradients = self.space.constants_at(x, self.values)[1]
-        split = _split_multipliers(monodromy, rates, gradients, self.units)
-        return monodromy, *split, float(np.abs(here.off).max())
+        return monodromy, *_split_multipliers(monodromy, rates, gradients, self.state_units)
 
     def orbit(self, unknowns: np.ndarray) -> PeriodicOrbit:
         """The orbit of unknowns that solve the equations."""
         space, values = self.space, self.values
         x, period = self.states(unknowns)[0], self.period(unknowns)
-        monodromy, trivial, others, closure = self.multipliers(unknowns)
+        monodromy, trivial, others = self.multipliers(unknowns)
+        closure = float(np.abs(self.with_phase_of(unknowns).function(unknowns)[0]).max())
         constants = space.constants_at(x, values)[0].tolist()
         path, state = [x], self.flow.start(x)
         for t in np.linspace(0, period, POINTS)[1:]:
@@ -464,129 +474,96 @@ class _OrbitEquations:
             path.append(state.x.copy())
         parameters = map(str, space.motions.program.parameters)
         return PeriodicOrbit(
-            space.system, space.names, x, period, self.turns(unknowns, path[-1]).astype(int),
+            space.system, space.names, x, period, self.turns(unknowns).astype(int),
             monodromy, trivial, others, dict(zip(space.constants, constants, strict=True)),
             dict(zip(parameters, values.tolist(), strict=True)), closure, np.array(path),
         )  # fmt: skip
 
     def follow(
-        self, unknowns: np.ndarray, first: PeriodicOrbit, to: float, points: int,
-        progress: Callable[[float], Any] | None,
-    ) -> tuple[tuple[PeriodicOrbit, ...], tuple[Bifurcation, ...], str]:  # fmt: skip
-        """The family up to the value ``to`` of what it is followed along."""
-        self = self.without_target()
-        begin, orbits, bifurcations = self.value(unknowns), [first], list[Bifurcation]()
-        way, ended = np.sign(to - begin), "complete"
-        tangent = self.tangent(unknowns, None, way)
-        if not way:
-            return (first,), (), "complete"
-        step = (to - begin) / (points - 1)
-        stride = abs(step / self._rise(unknowns, tangent))
-        while len(orbits) < points:
-            anchored = replace(self, anchor=self._anchor(unknowns))
-            try:
-                there = anchored.step(unknowns, tangent, stride)
-                if way * (anchored.value(there) - to) > 0 or len(orbits) == points - 1:
-                    there, ended = anchored.onto(unknowns, tangent, stride, to), "complete"
-                orbit = anchored.orbit(there)
-                pair = orbits[-1], orbit
-                passed = [*anchored.bifurcations(unknowns, tangent, pair, there)]
-                unknowns, tangent = there, self.tangent(there, tangent, way)
-            except VoronecError:
-                stride /= 2
-                if stride < SHORTEST:
-                    ended = "ended: no orbit is found farther on"
-                    break
-                continue
-            bifurcations += passed
-            orbits.append(orbit)
-            if progress is not None:
-                progress(len(orbits) / points)
-            if abs(self.value(unknowns) - to) <= 1e-9 * max(abs(to - begin), abs(to)):
-                break
-            rise = abs(self._rise(unknowns, tangent))
-            stride = min(abs(step) / rise, 2 * stride) if rise > 0 else stride
-        else:
-            ended = f"stopped after {points} orbits"
-        return tuple(orbits), tuple(bifurcations), ended
+        self, unknowns: np.ndarray, to: float, points: int, progress: Callable[[float], Any] | None
+    ) -> tuple[list[np.ndarray], str]:
+        """The family up to the value ``to`` of what it is followed along, and why it ends."""
+        begin = self.value(unknowns)
+        if begin == to:
+            return [], COMPLETE
+        sign, step = float(np.sign(to - begin)), abs(to - begin) / (points - 1)
+        span = (-np.inf, to) if to > begin else (to, np.inf)
+        tell = None if progress is None else lambda x: progress((x - begin) / (to - begin))
+        return follow(self, unknowns, sign, span, step, 2 * points, progress=tell)
 
     def without_target(self) -> _OrbitEquations:
         """Without holding what the family is followed along."""
         free = self.held != self.along
         return replace(self, held=self.held[free], targets=self.targets[free])
 
-    def _anchor(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def with_phase_of(self, unknowns: np.ndarray) -> _OrbitEquations:
+        """With the phase of the orbit of unknowns."""
         x = self.states(unknowns)[0]
-        return x, self.flow.rates(x, self.values)[0]
+        return replace(self, anchor=(x, self._rates(x)))
 
-    def value(self, unknowns: np.ndarray) -> float:
+    @property
+    def units(self) -> np.ndarray:
+        """The sizes of the unknowns."""
+        return np.ones(self.segments * len(self.state_units) + 1)
+
+    def value(self, y: np.ndarray) -> float:
         """What the family is followed along."""
         assert self.along is not None
-        return float(self.space.constants_at(self.states(unknowns)[0], self.values)[0][self.along])
+        return float(self.space.constants_at(self.states(y)[0], self.values)[0][self.along])
 
-    def _slope(self, unknowns: np.ndarray) -> np.ndarray:
+    def slope(self, y: np.ndarray) -> np.ndarray:
         """The slope of that by the unknowns."""
-        _, gradients = self.space.constants_at(self.states(unknowns)[0], self.values)
-        row = np.zeros(len(unknowns))
-        row[: len(self.units)] = gradients[self.along] * self.units
+        _, gradients = self.space.constants_at(self.states(y)[0], self.values)
+        row = np.zeros(len(y))
+        row[: len(self.state_units)] = gradients[self.along] * self.state_units
         return row
 
-    def _rise(self, unknowns: np.ndarray, tangent: np.ndarray) -> float:
-        return float(self._slope(unknowns) @ tangent)
+    def tangent(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray | None:
+        """The direction of the family on the side of ``ahead``, of length one: where the family has
+        more dimensions, that in which what it is followed along changes most."""
+        free = null_space(self.with_phase_of(y).function(y)[1], self.units)
+        guide = self.slope(y) if free.shape[1] > 1 else ahead
+        found = free @ (free.T @ guide)
+        size = np.linalg.norm(found)
+        if not size > SINGULAR * np.linalg.norm(guide):
+            return None
+        return np.asarray(found / size if found @ ahead >= 0 else -found / size)
 
-    def tangent(self, unknowns: np.ndarray, before: np.ndarray | None, way: float) -> np.ndarray:
-        """The direction of the family, of length one: of a single one on from ``before``, of more
-        that in which what it is followed along grows most, or falls most, by the sign of ``way``.
-        """
-        anchored = replace(self, anchor=self._anchor(unknowns))
-        free = null_space(anchored.linear(unknowns, None).slopes, np.ones(len(unknowns))).T
-        guide = way * self._slope(unknowns) if before is None or len(free) > 1 else before
-        found = free.T @ (free @ guide)
-        if not np.linalg.norm(found) > SINGULAR * np.linalg.norm(guide):
-            raise EngineLimit(
-                "the orbit is alone: no family leads on from it; hold fewer integrals, or follow "
-                "another"
-            )
-        return np.asarray(found / np.linalg.norm(found))
+    def onto(self, y: np.ndarray, across: np.ndarray) -> np.ndarray | None:
+        """The orbit in the plane through unknowns across a direction."""
+        function = self.with_phase_of(y).function
+        return self._sound(
+            solve_across(function, y, across, self.units, close=CLOSURE, singular=SINGULAR)
+        )
 
-    def step(self, unknowns: np.ndarray, tangent: np.ndarray, stride: float) -> np.ndarray:
-        """The orbit a stride along the tangent."""
-        return self.solve(unknowns + stride * tangent, (unknowns + stride * tangent, tangent))
-
-    def onto(
-        self, unknowns: np.ndarray, tangent: np.ndarray, stride: float, to: float
-    ) -> np.ndarray:
-        """The orbit with the value ``to``, near the end of a stride."""
+    def at_value(self, value: float, near: np.ndarray) -> np.ndarray | None:
+        """The orbit with a value of what the family is followed along, near another."""
         assert self.along is not None
-        reach = (to - self.value(unknowns)) / self._rise(unknowns, tangent)
-        guess = unknowns + min(reach, 2 * stride) * tangent
-        held = np.append(self.held, self.along)
-        full = replace(self, held=held, targets=np.append(self.targets, to))
-        return full.solve(guess, None)
+        held, targets = np.append(self.held, self.along), np.append(self.targets, value)
+        function = replace(self.with_phase_of(near), held=held, targets=targets).function
+        return self._sound(solve(function, near, self.units, CLOSURE, SINGULAR))
+
+    def _sound(self, unknowns: np.ndarray | None) -> np.ndarray | None:
+        """Unknowns of an orbit that closes, and moves."""
+        if unknowns is None or self._is_still(unknowns):
+            return None
+        return unknowns if self.with_phase_of(unknowns)._closes(unknowns) else None
 
     def bifurcations(
-        self, unknowns: np.ndarray, tangent: np.ndarray,
-        orbits: tuple[PeriodicOrbit, PeriodicOrbit], there: np.ndarray,
-    ) -> Iterator[Bifurcation]:  # fmt: skip
+        self, begin: tuple[np.ndarray, PeriodicOrbit], end: tuple[np.ndarray, PeriodicOrbit]
+    ) -> Iterator[Bifurcation]:
         """Where multipliers pass -1 or 1 between two orbits of a family."""
-        from scipy.optimize import brentq
-
-        reach = float(tangent @ (there - unknowns))
         for at in (-1, 1):
-            ends = [float(np.prod(orbit.multipliers - at).real) for orbit in orbits]
-            if not ends[0] * ends[1] < 0 or min(map(abs, ends)) < MARGIN:
+            ends = [float(np.prod(orbit.multipliers - at).real) for _, orbit in (begin, end)]
+            if min(map(abs, ends)) < MARGIN:
                 continue
-            stride = brentq(partial(self._distance, unknowns, tangent, at), 0.0, reach,
-                            xtol=1e-13, rtol=1e-13)  # fmt: skip
-            found = self.step(unknowns, tangent, stride)
-            yield Bifurcation(at, self.value(found), self.orbit(found))
+            found = root_between(self, begin[0], end[0], partial(self._distance, at))
+            if found is not None:
+                yield Bifurcation(at, self.value(found), self.orbit(found))
 
-    def _distance(
-        self, unknowns: np.ndarray, tangent: np.ndarray, at: int, stride: float
-    ) -> float:  # fmt: skip
-        """The product of all distances of multipliers from 1 or -1, a stride along the tangent."""
-        _, _, others, _ = self.multipliers(self.step(unknowns, tangent, stride))
-        return float(np.prod(others - at).real)
+    def _distance(self, at: int, unknowns: np.ndarray) -> float:
+        """The product of all distances of multipliers from 1 or -1."""
+        return float(np.prod(self.multipliers(unknowns)[2] - at).real)
 
 
 def _split_multipliers(

@@ -60,20 +60,16 @@ class Deflation:
             matrix = kept @ matrix @ kept.T
         return matrix
 
+    def eigenvalues(self, matrix: np.ndarray) -> np.ndarray:
+        """The eigenvalues of a matrix (n, n) without so many zeros, of the balanced remainder, by
+        real part, then imaginary part, both up to rounding."""
+        from scipy.linalg import matrix_balance
 
-def balance(matrix: np.ndarray) -> np.ndarray:
-    """A similar matrix whose rows and columns are of one size."""
-    from scipy.linalg import matrix_balance
-
-    found: np.ndarray = matrix_balance(matrix, permute=False)[0]
-    return found
-
-
-def in_order(values: np.ndarray) -> np.ndarray:
-    """Eigenvalues by real part, then imaginary part, both up to rounding."""
-    size = float(np.abs(values).max(initial=1.0))
-    keys = np.round(values.real / size, 9), np.round(values.imag / size, 9)
-    return values[np.lexsort((keys[1], keys[0]))]
+        values = np.linalg.eigvals(matrix_balance(self.remainder(matrix), permute=False)[0])
+        size = float(np.abs(values).max(initial=1.0))
+        keys = np.round(values.imag / size, 9), np.round(values.real / size, 9)
+        ordered: np.ndarray = values[np.lexsort(keys)]
+        return ordered
 
 
 def characteristic(slopes: Any, size: int, zeros: int) -> list[Any]:
@@ -99,18 +95,18 @@ def conditions_in_doubles(matrix: np.ndarray) -> dict[str, float]:
     return found | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}
 
 
-def hurwitz(coefficients: Sequence[Any]) -> Any:
-    """The Hurwitz determinant of order n - 1.  By Orlando's formula it is, up to its sign, the
-    product of all sums of two eigenvalues [Gantmacher1959, ch. XV]; it vanishes where a pair
-    crosses the imaginary axis."""
+def hurwitz_matrix(coefficients: Sequence[Any]) -> list[list[Any]]:
+    """The Hurwitz matrix of order n - 1 of a polynomial, whose coefficients are given from the
+    constant on.  By Orlando's formula its determinant is, up to its sign, the product of all sums
+    of two roots [Gantmacher1959, ch. XV]; it vanishes where a pair crosses the imaginary axis."""
     n = len(coefficients) - 1
-    down = [*reversed(coefficients)]
-    rows = [
-        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else flint.arb(0)
-         for j in range(n - 1)]
-        for i in range(n - 1)
-    ]  # fmt: skip
-    return _determinant(rows)
+    places = [[n - 2 * (j + 1) + (i + 1) for j in range(n - 1)] for i in range(n - 1)]
+    return [[coefficients[k] if 0 <= k <= n else 0 for k in row] for row in places]
+
+
+def hurwitz(coefficients: Sequence[Any]) -> Any:
+    """The determinant of the Hurwitz matrix in balls."""
+    return _determinant(hurwitz_matrix(coefficients))
 
 
 def discriminant(coefficients: Sequence[Any]) -> Any:

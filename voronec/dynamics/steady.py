@@ -25,13 +25,11 @@ from voronec.declaration.system import System, require_system
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.exact_families import ExactFamily, exact_families
-from voronec.dynamics.families import SteadyFamily, follow
+from voronec.dynamics.families import SteadyFamily, steady_family
 from voronec.dynamics.newton import null_space, pivots, polish, solve
 from voronec.dynamics.spectrum import (
     SMALL,
     Deflation,
-    balance,
-    in_order,
     to_mpf,
     unstable_count,
 )
@@ -50,6 +48,11 @@ from voronec.motion.request import number
 NEAR = 1e-5
 """Entries below this, in their units, are tried as zero: Newton's method comes no nearer to
 solutions at which the Jacobian loses its rank."""
+NEARBY = 1e-2
+"""A step, in the units, that tells a family from a degenerate point."""
+STEEP = 1e10
+"""Slopes that have grown by so much since the start, or have no value, tell of a divisor that
+vanishes: the coordinates are singular there."""
 FAR = 1e3
 """Solutions beyond so many units are not told of: many functions vanish at infinity."""
 
@@ -79,14 +82,44 @@ class SteadyMotion:
         return dict(zip(self.equations.names, map(float, self.y), strict=True))
 
     @cached_property
-    def tangents(self) -> np.ndarray:
-        """Directions of the family (n, dimension)."""
+    def kernel(self) -> np.ndarray:
+        """Directions (n, d) in which the equations hold to first order."""
         return null_space(self.equations.at(self.y)[1], self.units)
+
+    @cached_property
+    def tangents(self) -> np.ndarray:
+        """Directions of the family (n, dimension); where families meet, those of one of them.
+
+        A solution is looked for in the plane across a step along the kernel.  On a family it is
+        where the step leads, up to its square; else there is none, or it tells the directions.
+        """
+        if not self.kernel.size:
+            return self.kernel
+        weights = np.random.default_rng(0).normal(size=self.kernel.shape[1])
+        step = NEARBY * self.kernel @ (weights / np.linalg.norm(weights))
+        row = step / self.units**2
+
+        def across(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, slopes = self.equations.at(z)
+            return np.append(value, row @ (z - self.y - step)), np.vstack([slopes, row])
+
+        near = solve(across, self.y + step, self.units)
+        if near is None:
+            return self.kernel[:, :0]
+        if np.linalg.norm((near - self.y - step) / self.units) < NEARBY / 10:
+            return self.kernel
+        return null_space(self.equations.at(near)[1], self.units)
 
     @property
     def dimension(self) -> int:
         """Of how many dimensions the family is."""
         return self.tangents.shape[1]
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether families meet there, or the equations are degenerate: more eigenvalues vanish
+        than for its neighbours."""
+        return self.kernel.shape[1] > self.dimension
 
     @cached_property
     def free(self) -> tuple[str, ...]:
@@ -114,9 +147,7 @@ class SteadyMotion:
     @cached_property
     def matrix(self) -> np.ndarray:
         """A (n, n) of dx' = A dx, in the variables of the smallest formulation."""
-        n = self.equations.size
-        found: np.ndarray = self.equations.at(self.y)[1][:n, :n]
-        return found
+        return self.equations.matrix(self.y)
 
     @cached_property
     def deflation(self) -> Deflation:
@@ -127,7 +158,7 @@ class SteadyMotion:
     def spectrum(self) -> np.ndarray:
         """The eigenvalues (n - k,) that do not vanish for all motions of the family, complex, by
         real part, then imaginary part."""
-        return in_order(np.linalg.eigvals(balance(self.deflation.remainder(self.matrix))))
+        return self.deflation.eigenvalues(self.matrix)
 
     @property
     def zeros(self) -> int:
@@ -191,7 +222,7 @@ class SteadyMotion:
         integrable constraints are always held.  ``DefinitionError`` where the quantity is
         constant along the family, or the family does not reach the span.
         """
-        return follow(self, over, between, hold, count)
+        return steady_family(self, over, between, hold, count)
 
     def chart(self, x: Any, y: Any, count: int = 40, hold: Any = ()) -> SteadyChart:
         """How many eigenvalues lie on the right over two quantities, ``(name, low, high)`` each, at
@@ -241,6 +272,8 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
         return StabilityVerdict("unstable", witness is not None, count, witness or "")
     size = float(np.abs(values).max(initial=0.0))
     left = len(values) and bool((values.real < -SMALL * size).all())
+    # what is held must not hide that an eigenvalue vanishes for this motion alone
+    left = left and not replace(motion, equations=motion.equations.only_leaves()).is_singular
     return StabilityVerdict("linearly attracting" if left else "spectrally stable", False, 0)
 
 
@@ -353,7 +386,7 @@ def _search(
     motions: Motions, equations: SteadyEquations, said: Mapping[str, Any], starts: int, seed: int
 ) -> SteadyMotions:
     units = sizes_of(equations, said)
-    random = np.random.default_rng(seed)
+    turning, random = angles_of(equations, units), np.random.default_rng(seed)
     found: dict[Any, SteadyMotion] = {}
     solved = 0
     for k in range(starts):
@@ -363,11 +396,12 @@ def _search(
             if name in equations.names:
                 y[equations.names.index(name)] = float(value)
         y[roots_of(equations)] = np.abs(y[roots_of(equations)])
-        motion = settle(motions, equations, y, units)
+        motion = settle(motions, equations, y, units, turning)
         if motion is not None:
             solved += 1
             place = () if motion.dimension else tuple(np.round(motion.y / units, 6) + 0.0)
-            found.setdefault((motion.dimension, motion.zero, place), motion)
+            key = (motion.dimension, motion.is_singular, motion.zero, place)
+            found.setdefault(key, motion)
     if not found:
         raise DefinitionError(
             f"system '{equations.system.name}': none of {starts} starts leads to a steady "
@@ -398,20 +432,37 @@ def roots_of(equations: SteadyEquations) -> list[int]:
     return [i for i, x in states if isinstance(e := start.get(x), se.Pow) and e.args[1] == HALF]
 
 
+def angles_of(equations: SteadyEquations, units: np.ndarray) -> list[int]:
+    """The positions of states that are angles: a whole turn changes no equation at a random point."""
+    y = np.random.default_rng(0).normal(size=len(units)) * units
+    there, turns = equations.at(y)[0], 2 * np.pi * np.eye(len(units))[: equations.size]
+    off = [np.abs(equations.at(y + turn)[0] - there).max() for turn in turns]
+    return [i for i, x in enumerate(off) if x <= 1e-9 * np.abs(there).max()]
+
+
 def settle(
-    motions: Motions, equations: SteadyEquations, y: np.ndarray, units: np.ndarray
-) -> SteadyMotion | None:
-    """The steady motion to which Newton's method leads; None where it leads to none."""
+    motions: Motions, equations: SteadyEquations, y: np.ndarray, units: np.ndarray,
+    turning: Sequence[int],
+) -> SteadyMotion | None:  # fmt: skip
+    """The steady motion to which Newton's method leads, angles between -pi and pi; None where it
+    leads to none."""
     found = solve(equations.at, y, units)
-    if found is None or np.abs(found / units).max(initial=0.0) > FAR:
+    if found is None:
+        return None
+    whole = np.ceil(found[turning] / (2 * np.pi) - 0.5 - NEAR)  # -pi is told as pi
+    found[turning] -= 2 * np.pi * whole
+    if np.abs(found / units).max(initial=0.0) > FAR:
         return None
     near = np.where(np.abs(found) < NEAR * units, 0.0, found)
     exact = solve(equations.at, near, units)
     found = exact if exact is not None else found
     if any(found[i] < 0 for i in roots_of(equations)):
         return None
-    return SteadyMotion(motions, equations, np.where(np.abs(found) < 1e-12 * units, 0.0, found),
-                        units)  # fmt: skip
+    found = np.where(np.abs(found) < 1e-12 * units, 0.0, found)
+    there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (found, y))
+    if not there <= STEEP * before:
+        return None
+    return SteadyMotion(motions, equations, found, units)
 
 
 @accepts(at=VALUES, parameters=VALUES, free=SEVERAL, count=COUNT, starts=COUNT, seed=COUNT)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import flint
 import numpy as np
@@ -29,7 +29,7 @@ from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
-from voronec.equations.program.jacobian import jacobian
+from voronec.equations.program.jacobian import joint_block
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -122,12 +122,11 @@ class SteadyEquations:
         return self.memo.once((what, self.unknowns, self.held), make)
 
     @property
-    def _blocks(self) -> tuple[Block, Block]:
-        """Values, and slopes row by row."""
-        blocks: tuple[Block, Block] = self._once("blocks", self._write)
+    def _blocks(self) -> _Blocks:
+        blocks: _Blocks = self._once("blocks", self._write)
         return blocks
 
-    def _write(self) -> tuple[Block, Block]:
+    def _write(self) -> _Blocks:
         derivative = self.rates.derivative
         known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
         fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
@@ -136,9 +135,7 @@ class SteadyEquations:
         rows = Block(
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
-        unknown = self.unknowns[self.size :]
-        program = replace(self.rates, parameters=self._arguments, inputs=unknown, derivative=rows)
-        return rows, jacobian(program)
+        return _Blocks(rows, *joint_block(self.rates, rows, self.unknowns))
 
     @cached_property
     def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
@@ -146,8 +143,7 @@ class SteadyEquations:
         return function
 
     def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
-        blank = Block((), (se.Integer(0),) * len(self.unknowns))
-        block = _join(*self._blocks, fresh_names([*self.unknowns, *self._arguments], "k"))
+        blank, block = Block((), (se.Integer(0),) * len(self.unknowns)), self._blocks.joint
         names = tuple(f"entry {i}" for i in range(len(block.results)))
         program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
         return compile_program(program, scalar=True)[1]
@@ -174,6 +170,10 @@ class SteadyEquations:
             self._recent[key] = self._at(y)
         return self._recent[key]
 
+    def matrix(self, y: np.ndarray) -> np.ndarray:
+        """The matrix A (n, n) of the linearisation dx' = A dx at a steady motion."""
+        return self.at(y)[1][: self.size, : self.size]
+
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
         try:
@@ -181,15 +181,18 @@ class SteadyEquations:
         except (ZeroDivisionError, ValueError, OverflowError, TypeError):
             return np.full(m, np.nan), np.full((m, n), np.nan)
         found[m - len(self.held) : m] -= self._target_doubles
-        return found[:m], found[m:].reshape(m, n)
+        slopes = np.zeros((m, n))
+        for place, slope in zip(self._blocks.places, found[m:], strict=True):
+            slopes[place] = slope
+        return found[:m], slopes
 
     @cached_property
     def _doubles(self) -> list[float]:
         return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
 
-    def _run_in_balls(self, which: int, y: Sequence[Any], bits: int) -> list[Any]:
-        """The results of one of the blocks."""
-        steps, ends = self._once(("tapes", which), lambda: _record(self._blocks[which]))
+    def _run_in_balls(self, block: Block, y: Sequence[Any], bits: int) -> list[Any]:
+        """The results of a block."""
+        steps, ends = self._once(("tapes", block), lambda: _record(block))
         with flint.ctx.workprec(bits):
             known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
             known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
@@ -200,7 +203,7 @@ class SteadyEquations:
 
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
-        found = self._run_in_balls(0, y, bits)
+        found = self._run_in_balls(self._blocks.rows, y, bits)
         with flint.ctx.workprec(bits):
             for i, target in enumerate(self._targets, len(found) - len(self.held)):
                 found[i] -= as_ball(target)
@@ -208,8 +211,21 @@ class SteadyEquations:
 
     def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
-        found = self._run_in_balls(1, y, bits)
-        return flint.arb_mat(len(found) // len(self.unknowns), len(self.unknowns), found)
+        rows, joint, places = self._blocks
+        slopes = flint.arb_mat(len(rows.results), len(self.unknowns))
+        found = self._run_in_balls(joint, y, bits)[len(rows.results) :]
+        for place, slope in zip(places, found, strict=True):
+            slopes[place] = slope
+        return slopes
+
+
+class _Blocks(NamedTuple):
+    """``rows`` gives F, ``joint`` F and behind it the slopes that are not zero; ``places`` says
+    where these stand in the Jacobian."""
+
+    rows: Block
+    joint: Block
+    places: tuple[tuple[int, int], ...]
 
 
 def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
@@ -224,19 +240,6 @@ def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
 
 def _constant(c: Any) -> Any:
     return c() if callable(c) else flint.arb(c)
-
-
-def _join(rows: Block, slopes: Block, names: Any) -> Block:
-    """Two blocks as one, whose names are told apart."""
-    new = {name: next(names) for name, _ in slopes.assignments}
-
-    def on(expr: Any) -> Any:
-        expr = se.sympify(expr)
-        return expr.xreplace({s: new[s] for s in expr.free_symbols if s in new})
-
-    renamed = tuple((new[n], on(e)) for n, e in slopes.assignments)
-    ends = (*rows.results, *map(on, slopes.results))
-    return Block((*rows.assignments, *renamed), ends)
 
 
 def constants_of(formulation: Formulation) -> tuple[Any, ...]:

@@ -8,7 +8,6 @@ import platform
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
-from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -20,6 +19,7 @@ from voronec.algebra.arguments import (
     CALLABLE,
     COUNT,
     FLAG,
+    OPTIONAL_COUNT,
     PATH,
     TEXT,
     TOLERANCE,
@@ -63,12 +63,9 @@ WORTH = 10.0
 """Seconds of work that are worth starting processes."""
 
 
-SOME = replace(COUNT, optional=True)
-
-
 @accepts(
-    grid=VALUES, out=PATH, seed=COUNT, jobs=SOME, parameters=VALUES, initial=VALUES, inputs=VALUES,
-    method=TEXT, tol=TOLERANCE, chunk=SOME, resume=FLAG, progress=CALLABLE,
+    grid=VALUES, out=PATH, seed=COUNT, jobs=OPTIONAL_COUNT, parameters=VALUES, initial=VALUES,
+    inputs=VALUES, method=TEXT, tol=TOLERANCE, chunk=OPTIONAL_COUNT, resume=FLAG, progress=CALLABLE,
 )  # fmt: skip
 def sweep(
     system: System, grid: Mapping[Any, Any] | None = None, starts: Any = None,

@@ -49,14 +49,15 @@ class Feedback:
         """What it gives; ``ControllerFailure`` for what is no finite number."""
         place = f"the controller of '{self.name}' at t = {instant:.12g}"
         try:
-            found = np.asarray(self.function(instant, state), dtype=float)
+            given = self.function(instant, state)
+            found = np.asarray(given, dtype=float)
         except Exception as error:  # whatever a user's function raises is told as his
             raise ControllerFailure(f"{place} raises {type(error).__name__}: {error}") from error
         if found.ndim:
             shape = " x ".join(map(str, found.shape))
             raise ControllerFailure(f"{place} returns an array of {shape}, not one number")
         if not np.isfinite(found):
-            raise ControllerFailure(f"{place} returns {found}, which is not finite")
+            raise ControllerFailure(f"{place} returns {given}, which is not finite")
         return float(found)
 
     def sample(self, instant: float, state: Callable[[], Mapping[str, float]]) -> None:
