@@ -216,9 +216,10 @@ def test_workers_that_die_on_a_cluster_cost_nothing(small, tmp_path):
 
 
 def test_a_script_without_a_guard_is_told_so_in_one_line(tmp_path):
-    call = "vo.sweep(SLEIGH, **{**SMALL, 'jobs': 2}, out='a.zarr')"
+    call = "open('starts', 'a').write('x'); vo.sweep(SLEIGH, **{**SMALL, 'jobs': 2}, out='a.zarr')"
     done = subprocess.run(script(tmp_path, call), cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.count("__main__':") == 1
+    assert len((tmp_path / "starts").read_text()) <= 3  # its own, and one of each process
     assert "Traceback" not in done.stderr.partition("DefinitionError")[2]
 
 
