@@ -60,8 +60,9 @@ def no_corrections(monkeypatch: pytest.MonkeyPatch) -> None:
 def call(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Call:
-    """Call ``voronec`` with words, in an empty folder."""
+    """Call ``voronec`` with words, in an empty folder and on a screen of known width."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
 
     def command(*words: str) -> Answer:
         capsys.readouterr()
