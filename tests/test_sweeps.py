@@ -225,7 +225,8 @@ def test_a_script_without_a_guard_is_told_so_in_one_line(tmp_path):
 
 def test_a_full_disk_and_a_second_writer_get_one_line(small, tmp_path):
     call = (
-        "import resource, signal\n"
+        "import resource, signal, sys\n"
+        "sys.dont_write_bytecode = True\n"  # which would be cut short too
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         "def full(share):\n"
         "    if share > 0.3: resource.setrlimit(resource.RLIMIT_FSIZE, (50, 50))\n"

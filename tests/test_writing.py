@@ -50,6 +50,7 @@ def test_what_a_killed_process_left_goes_with_the_next_writing(tmp_path):
 def test_a_file_stays_as_it_was_where_the_disk_is_full(tmp_path):
     code = (
         "import resource, signal, sys; from pathlib import Path\n"
+        "sys.dont_write_bytecode = True\n"  # which would be cut short too
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
         "from voronec.cli.files import create\n"

@@ -31,6 +31,8 @@ LEAST = {
     "judge": ("sleigh", "v' = a w^2"), "audit": ("x.tex", "sleigh"),
 }  # fmt: skip
 """Every command with right arguments, or with one that ends it where the work itself is long."""
+NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}
+"""Where files must be short: a compiled module that is cut short would break what runs next."""
 LONG = ("gallery", "bench", "check", "regenerate", "hard")
 """Commands whose work is long: they are tried with text that is wrong."""
 SMALL = """
@@ -207,7 +209,7 @@ def _surroundings(place: Path) -> list[tuple[str, dict[str, str]]]:
         ("@ >&-", {}), ("@ 2>&-", {}), ("@ >&- 2>&-", {}), ("@ <&-", {}), ("@ >/dev/full", {}),
         ("@ 2>/dev/full", {}), ("@ | head -c 1", {}), ("@ | true", {}),
         ("trap '' INT; @", {}), ("trap '' PIPE; @ | true", {}),
-        ("ulimit -f 0; @", {}), ("ulimit -f 8; @", {}), ("ulimit -n 64; @", {}),
+        ("ulimit -f 0; @", NO_BYTECODE), ("ulimit -f 8; @", NO_BYTECODE), ("ulimit -n 64; @", {}),
         ("ulimit -s 256; @", {}),
         ("mkdir -p no; chmod 500 no; cd no; @", {}), ("echo x > out; @", {}),
         ("mkdir gone; cd gone; rmdir ../gone; @", {}),
