@@ -29,6 +29,8 @@ LEAST = {
     "hard": ("--list",), "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),
     "new": ("some-name",), "cite": ("sleigh",), "view": ("sleigh",), "methods": ("sleigh",),
     "judge": ("sleigh", "v' = a w^2"), "audit": ("x.tex", "sleigh"),
+    "steady": ("sleigh",), "stability": ("sleigh", "--over", "v", "--between=-1:1"),
+    "periodic": ("sleigh",), "exponents": ("sleigh", "--until", "1"),
 }  # fmt: skip
 """Every command with right arguments, or with one that ends it where the work itself is long."""
 NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}

@@ -55,7 +55,11 @@ def _lines(found: SteadyFamily) -> list[str]:
     pairs = zip(found.values.tolist(), found.unstable.tolist(), strict=True)
     for count, group in groupby(pairs, key=lambda pair: pair[1]):
         span = [value for value, _ in group]
-        words = f"{count} eigenvalues on the right" if count else "no eigenvalue on the right"
+        words = (
+            f"{count} eigenvalue{'s' * (count > 1)} on the right"
+            if count
+            else "no eigenvalue on the right"
+        )
         lines.append(f"  {span[0]:.6g} to {span[-1]:.6g}: {words}")
     lines += [f"critical: {found.over} = {critical}" for critical in found.critical]
     lines += [f"fold: {found.over} = {value:.13g}" for value in found.folds]

@@ -167,7 +167,11 @@ class SteadyFamily:
         for a, b in pairwise(self.points):
             y = root_between(self.curve, a, b, partial(measure, before=a, ahead=b - a))
             if y is not None:
-                yield self.curve.value(y)
+                yield self._without_rounding(self.curve.value(y))
+
+    def _without_rounding(self, value: Any) -> Any:
+        """A value of the quantity, which is zero where it is one but for rounding."""
+        return value if abs(value) > 1e-14 * float(np.ptp(self.values)) else 0 * value
 
     @cached_property
     def critical(self) -> tuple[Critical, ...]:
@@ -195,8 +199,7 @@ class SteadyFamily:
                 continue
             y = root_between(self.curve, a, b, partial(self._condition, way))
             if y is not None:
-                exact, size = self._in_digits(way, y, a, b), float(np.ptp(self.values))
-                exact = exact if abs(exact) > 1e-14 * size else mp.mpf(0)
+                exact = self._without_rounding(self._in_digits(way, y, a, b))
                 return Critical(float(exact), exact, way, below, above)
         return None
 
