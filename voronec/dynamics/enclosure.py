@@ -159,11 +159,10 @@ def _follow(
     n, m = equations.size, len(equations.formulation.relations)
     if any(i >= n for i in left):
         return False
-    declared = motions.system.integrals
     known = {
         name: (e, 0)
         for name, e in equations.formulation.integrals.items()
-        if is_proved(motions.equations, declared[name])
+        if is_proved(motions.equations, name)
     }
     bare = replace(equations, held=())
     slopes = bare.fix(known).slopes_in_balls(box, BITS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from typing import Any
 
@@ -14,6 +14,7 @@ import symengine as se
 
 from voronec.declaration.reading import several
 from voronec.declaration.system import System, require_system
+from voronec.dynamics.angles import SAME, are_angles
 from voronec.dynamics.variational import VariationalFlow, variational_flow
 from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.program.jacobian import joint_block
@@ -28,8 +29,6 @@ from voronec.motion.verify import is_proved
 
 RANK = 1e-9
 """Gradients depend on one another where they do so to this part of their size."""
-SAME = 1e-9
-"""Two right sides are equal at a point where they differ by this part of their size."""
 FEW_STATES = 10
 """Of so many states all changes of signs are tried as reversals."""
 
@@ -79,8 +78,8 @@ class PhaseSpace:
                 f"system '{declared.name}': its right side is not smooth (signs, steps or corners "
                 "stand in it), so that its variations have no equations"
             )
-        held = {s for block in (program.derivative,) for s in block.symbols}
-        return cls(motions, _constants(namespace, motions), program.time in held)
+        is_driven = program.time in program.derivative.symbols
+        return cls(motions, _constants(namespace, motions), is_driven)
 
     @property
     def system(self) -> System:
@@ -131,9 +130,7 @@ class PhaseSpace:
     def angles(self) -> np.ndarray:
         """Which variables are angles: a whole turn of them changes no rate at random states."""
         states = self._states_around(0)
-        there, turns = self._rates(0, states), 2 * np.pi * np.eye(len(self.names))
-        off = [np.abs(self._rates(0, states + turn) - there).max() for turn in turns]
-        return np.array(off) <= SAME * np.abs(there).max()
+        return are_angles(partial(self._rates, 0), states, len(self.names))
 
     def flow(self, k: int | None = None) -> VariationalFlow:
         """The flow with k variations, by default all."""
@@ -198,15 +195,8 @@ def _constants(namespace: Namespace, motions: Many) -> dict[str, Any]:
     ground, equations = motions.ground, namespace.equations
     own = {*motions.program.parameters, *(name for name, _ in ground.form.stages)}
     state = {*motions.program.state}
-
-    def is_kept(name: str) -> bool:
-        integral = equations.system.integrals[name]
-        return equations.memo.once(
-            f"proved integral {name}", lambda: is_proved(equations, integral)
-        )
-
     inside = {n: e for n, e in ground.integrals.items() if e.free_symbols <= own | state}
-    found = {n: e for n, e in inside.items() if is_kept(n)}
+    found = {n: e for n, e in inside.items() if is_proved(equations, n)}
     relations = {f"relation {i + 1}": r for i, r in enumerate(ground.form.relations)}
     plain = {*motions.program.parameters} | state  # what stages solve holds of itself
     return found | {n: r for n, r in relations.items() if r.free_symbols <= plain}

@@ -22,6 +22,7 @@ from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
+from voronec.dynamics.angles import are_angles
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.exact_families import ExactFamily, exact_families
@@ -56,8 +57,6 @@ STEEP = 1e10
 vanishes: the coordinates are singular there."""
 FAR = 1e3
 """Solutions beyond so many units are not told of: many functions vanish at infinity."""
-
-
 HALF = se.Rational(1, 2)
 
 
@@ -444,9 +443,8 @@ def roots_of(equations: SteadyEquations) -> list[int]:
 def angles_of(equations: SteadyEquations, units: np.ndarray) -> list[int]:
     """The positions of states that are angles: whole turns change no equation at a random point."""
     y = np.random.default_rng(0).normal(size=len(units)) * units
-    there, turns = equations.at(y)[0], 2 * np.pi * np.eye(len(units))[: equations.size]
-    off = [np.abs(equations.at(y + turn)[0] - there).max() for turn in turns]
-    return [i for i, x in enumerate(off) if x <= 1e-9 * np.abs(there).max()]
+    found = are_angles(lambda at: equations.at(at)[0], y, equations.size)
+    return np.flatnonzero(found).tolist()
 
 
 def settle(

@@ -33,8 +33,6 @@ from voronec.motion.steppers import kept_library
 EVERY = 4
 """So many steps go between two orthogonalisations: in one step a column grows by no more than some
 powers of e, or the step were shorter."""
-
-
 MOST = 200_000
 """Steps of one way; where more are needed they have collapsed at a singularity."""
 

@@ -185,10 +185,7 @@ class SolutionCheck:
         jumps."""
         if name in self.jumping or self.changing is not None:
             return False
-        integral = self.equations.system.integrals[name]
-        return self.equations.memo.once(
-            f"proved integral {name}", lambda: is_proved(self.equations, integral)
-        )
+        return is_proved(self.equations, name)
 
     def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
         program = self.program
@@ -298,9 +295,15 @@ def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
     return se.Lambdify(list(inputs), list(exprs), **HASTE)
 
 
-def is_proved(equations: VoronecEquations, integral: Any) -> bool:
-    """Whether a claimed integral is proved to be one, and no motion can change over to another of
-    its branches; where that exceeds the budget, it is not."""
+def is_proved(equations: VoronecEquations, name: str) -> bool:
+    """Whether the claimed integral of this name is proved to be one, and no motion can change over
+    to another of its branches; where that exceeds the budget, it is not.  Proofs are kept with the
+    equations."""
+    integral = equations.system.integrals[name]
+    return equations.memo.once(f"proved integral {name}", lambda: _prove(equations, integral))
+
+
+def _prove(equations: VoronecEquations, integral: Any) -> bool:
     function = right_of(integral)
     try:
         field = Motions.of(equations).field_for([function])
