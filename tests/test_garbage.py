@@ -22,7 +22,10 @@ class Loop:
 def collection() -> Iterator[None]:
     gc.enable()
     gc.unfreeze()
+    before = gc.get_threshold()
+    gc.set_threshold(1_000)
     yield
+    gc.set_threshold(*before)
     gc.unfreeze()
     gc.enable()
 

@@ -388,12 +388,15 @@ def no_collection() -> Iterator[None]:
     what modules hold stays, and to look through SymPy's thousands of objects again and again takes
     a tenth of the time of loading it."""
     collects = gc.isenabled()
+    before = gc.get_count()[0]
     gc.disable()
     try:
         yield
     finally:
         if collects:
-            if not gc.get_freeze_count():
+            made = gc.get_count()[0] - before
+            # what is frozen is counted one by one, which is for a load that made much
+            if made > gc.get_threshold()[0] and not gc.get_freeze_count():
                 # frozen and thawed, all objects are of the oldest generation
                 gc.freeze()
                 gc.unfreeze()
