@@ -28,6 +28,35 @@ with suppress(ImportError):
 collect_ignore = ["plugin_package"]
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """How much is run of tables of cases and methods."""
+    parser.addoption("--every", action="store_true", help="every case by every method")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Of a table of cases and methods each case goes by one method, and each method has its share
+    of them; all go with ``--every``, those of a ``contract``, and what is named one by one."""
+    if config.getoption("every") or any("[" in word for word in config.args) or not HEYOKA:
+        return
+    tables: dict[tuple[object, str], list[tuple[pytest.Item, int, tuple[int, ...]]]] = {}
+    for item in items:
+        if not isinstance(item, pytest.Function) or not hasattr(item, "callspec"):
+            continue
+        params = dict(item.callspec.params)
+        if "method" in params and not item.get_closest_marker("contract"):
+            method, case = id(params.pop("method")), tuple(map(id, params.values()))
+            tables.setdefault((item.parent, item.originalname), []).append((item, method, case))
+    left = set()
+    for table in tables.values():
+        methods = list(dict.fromkeys(method for _, method, _ in table))
+        cases = list(dict.fromkeys(case for _, _, case in table))
+        period = min(len(methods), len(cases))
+        left |= {i for i, m, c in table if (methods.index(m) - cases.index(c)) % period}
+    config.hook.pytest_deselected(items=[item for item in items if item in left])
+    items[:] = [item for item in items if item not in left]
+
+
 def pytest_sessionfinish() -> None:
     """What is left ends with the process, and pytest need not look through it five times."""
     gc.freeze()

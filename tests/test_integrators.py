@@ -118,7 +118,7 @@ def runaway() -> Known:
 
 
 SCENES = {"pendulum": pendulum, "driven": driven, "skate": skate, "runaway": runaway}
-pytestmark = pytest.mark.parametrize(
+TABLE = pytest.mark.parametrize(
     ("method", "scene"),
     [
         pytest.param(
@@ -132,6 +132,7 @@ pytestmark = pytest.mark.parametrize(
         for scene in SCENES
     ],
 )  # fmt: skip
+pytestmark = [pytest.mark.contract, TABLE]
 
 
 def run(method: str, known: Known, grid: Any = None, **more: Any) -> vo.Trajectory:
