@@ -83,7 +83,7 @@ SYSTEM = rolling.system(
             parameters={Omega: 0},
             times=(0.0, 40.0),
             outputs=usual_outputs,
-            caption="The same start on a sphere at rest: Demchenko's ball.",
+            caption="The default start on a sphere at rest: Demchenko's ball.",
         ),
     },
     references=("Bychkov2004", "Demchenko1924", "DragovicGajicJovanovic2020"),

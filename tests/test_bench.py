@@ -91,7 +91,7 @@ def test_angles_are_coordinates_that_only_turn() -> None:
         ({"time": 0.0}, "over the time 0 cannot be measured"),
         ({"time": math.inf}, "cannot be measured"),
         ({"outputs": ("qq",)}, "no output 'qq'"),
-        ({"instants": 1}, "1 instants: give 2 or more"),
+        ({"instants": 1}, "instants = 1: give 2 or more"),
     ],
 )
 def test_a_problem_that_makes_no_sense_is_refused(words: dict[str, Any], message: str) -> None:

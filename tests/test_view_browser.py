@@ -16,18 +16,21 @@ import numpy as np
 import pytest
 
 import voronec as vo
+from voronec.motion.viewer.gallery import MOTIONS, STARTS
 from voronec.motion.viewer.page import LARGEST, Page, PageView
 
 pytestmark = pytest.mark.skipif(browser.PROGRAM is None, reason="chromium is not installed")
 QUICK = "rubber-ball-on-plane", "vertical-disc", "sleigh"
-OTHERS = (
-    *("bicycle", "bychkov-ball", "demchenko", "displaced-ball-on-sphere", "ellipsoid-on-sphere"),
-    *("gyroscopic-torus-on-ellipsoid", "rattleback", "robot-with-two-trailers", "snakeboard"),
-    *("ball-on-paraboloid", "spheroid-on-plane", "suslov", "veselova-in-new-time"),
-)
-"""Of each kind of body and ground one: what touches in all systems is in ``test_view``."""
+OTHERS = "ellipsoid-on-sphere", "ball-on-paraboloid", "suslov", "veselova-in-new-time"
+"""Of kinds of body and ground that the gallery has not: what touches in all is in ``test_view``."""
+SHOWN = [(name, scene) for name, scene, _ in MOTIONS]
 kinds = pytest.mark.parametrize(
-    "name", [*QUICK, *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)]
+    ("name", "scene"),
+    [
+        *((name, "default") for name in QUICK),
+        *(pytest.param(n, "default", marks=pytest.mark.slow) for n in OTHERS),
+        *(pytest.param(*motion, marks=pytest.mark.slow) for motion in SHOWN),
+    ],
 )
 BALL = "rubber-ball-on-plane"
 
@@ -40,10 +43,10 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Tab]:
 
 
 @cache
-def text_of(name: str) -> str:
-    system = vo.load(name)
+def text_of(name: str, scene: str = "default") -> str:
+    system, initial = vo.load(name), STARTS.get((name, scene))
     everything = (*system.coordinates, *system.velocities)
-    return Page(vo.integrate(system, outputs=everything)).text
+    return Page(vo.integrate(system, scene, initial=initial, outputs=everything)).text
 
 
 def opened(tab: browser.Tab, folder: Path, text: str) -> None:
@@ -96,10 +99,14 @@ def changed(one: np.ndarray, other: np.ndarray) -> float:
 
 @kinds
 def test_a_page_is_drawn_and_moves_without_network(
-    name: str, tab: browser.Tab, tmp_path: Path
+    name: str, scene: str, tab: browser.Tab, tmp_path: Path
 ) -> None:
-    """No error and no request; and at most 5 ms of the processor a frame, GL's calls included."""
-    text = text_of(name)
+    """No error and no request; and at most 5 ms of the processor a frame, GL's calls included.
+
+    Five units of time after the start of a motion of the gallery the box of its traces spans 30 %
+    of the height, and half of them is seen.
+    """
+    text = text_of(name, scene)
     assert len(text.encode()) < LARGEST
     opened(tab, tmp_path, text)
     assert tab.value("document.documentElement.dataset.webgl") is None
@@ -110,7 +117,34 @@ def test_a_page_is_drawn_and_moves_without_network(
     early, late = stands_at(tab, 0.0), stands_at(tab, 0.37)
     assert (np.abs(early - 255) > 20).any(axis=-1).mean() > 0.005, "nothing is drawn"
     assert changed(early, late) > 0.0005, "nothing moves"
+    if (name, scene) in SHOWN:
+        tab.value("document.getElementById('home').click(); arrive(5)")
+        assert tab.value("document.getElementById('clock').textContent") == "t = 5.00"
+        height, seen = sight_of_traces(tab)
+        assert height > 0.3 and seen > 0.5, (height, seen)
     assert not complaints(tab)
+
+
+def sight_of_traces(tab: browser.Tab) -> tuple[float, float]:
+    """The share of the picture's height that the traces' box spans, and the share of them before
+    bodies, or behind such as are of glass; faint lines through bodies do not count."""
+    whole, bodies, both = (drawn_with(tab, *asked) for asked in ((1, 0), (0, 1), (1, 1)))
+    traces = (np.abs(whole - (255, 0, 255)) < 60).all(axis=-1)
+    rows = np.flatnonzero(traces.any(axis=1))
+    seen = traces & (np.abs(both - bodies) > 60).any(axis=-1)
+    return (rows[-1] - rows[0] + 1) / len(traces), seen.sum() / traces.sum()
+
+
+def drawn_with(tab: browser.Tab, traces: int, bodies: int) -> np.ndarray:
+    """The picture in space with the traces, in magenta, with the bodies, or with both."""
+    tab.value(
+        "drawn.forEach((d) => [...d.group.children, ...d.beside].forEach((m) => {"
+        "const own = d.traces.includes(m.geometry), faint = !m.material.depthTest;"
+        f"m.visible = Boolean(m !== d.spot && (own ? {traces} && !faint : {bodies}));"
+        "if (own) { m.material.color.set(0); m.material.emissive.set(0xff00ff); }"
+        "})); now.dirty = true"
+    )
+    return drawn_anew(tab)
 
 
 def script(tab: browser.Tab) -> float:

@@ -290,7 +290,7 @@ def _grid(scene: Scene, time: float | None, instants: int) -> np.ndarray:
     if not (np.isfinite(end) and end != start):
         raise DefinitionError(f"a motion over the time {end - start:g} cannot be measured")
     if instants < 2:
-        raise DefinitionError(f"{instants} instants: give 2 or more")
+        raise DefinitionError(f"instants = {instants}: give 2 or more")
     return np.linspace(start, end, instants)
 
 

@@ -26,7 +26,7 @@ def execute(arguments: Namespace) -> int:
         )
     if name in names():
         raise DefinitionError(
-            f"there is a system '{name}' already, which 'voronec show {name}' tells of; choose "
+            f"there is a system '{name}' already: 'voronec show {name}' shows it; choose "
             f"another name, such as 'my-{name}'"
         )
     mechanism = _mechanism_of(name)

@@ -76,7 +76,7 @@ def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True)
         most = int((MOST - GUARD) / 3.33)
         raise EngineLimit(f"enclose: digits = {digits} is more than {most}; ask for fewer")
     raise EngineLimit(
-        f"{', '.join(wide)} at t = {t} cannot be had to {digits} digits; give the time exactly, "
+        f"{', '.join(wide)} at t = {t} cannot be given to {digits} digits; give the time exactly,  "
         "and none at which a pole of the coordinates is passed"
     )
 

@@ -81,7 +81,7 @@ POLES = (
         "angles-from-the-pole", "ball-on-sphere",
         Scene(_spinning_start(0, R(1, 2), 1, 1), (0, 20), {},
               CONTACT_ON_SPHERE,
-              "The same start, and what is wanted is written in the angles: the contact leaves the "
+              "A start at the pole, with outputs in the angles: the contact leaves the "
               "pole along a meridian of its own, whatever v the start names."),
         formulation="invariants",
     ),
@@ -129,13 +129,13 @@ GROWTH = (
     HardCase(
         "chaotic-sleigh-for-longer", "sleigh-on-turntable",
         Scene(SLID, (0, 250), {"a": 0}, SLEIGH,
-              "The same until most digits of a double are spent."),
+              "The chaotic sleigh until most digits of a double are spent."),
         points=126, chaotic=True,
     ),
     HardCase(
         "past-the-horizon", "sleigh-on-turntable",
         Scene(SLID, (0, 600), {"a": 0}, ("x", "y", "v", "w"),
-              "The same for so long that no double determines where the sleigh is; the Jacobi "
+              "It runs for so long that no double determines where the sleigh is; the Jacobi "
               "integral must hold all the same."),
         points=121, chaotic=True,
     ),
@@ -254,7 +254,7 @@ SPANS = (
     ),
     HardCase(
         "very-long", "demchenko",
-        Scene(DEMCHENKO_START, (0, 10**6), {}, PERIODIC, "The same for 1e6 units."),
+        Scene(DEMCHENKO_START, (0, 10**6), {}, PERIODIC, "Demchenko's ball for 1e6 units of time."),
         points=11, period="tau", methods=("heyoka",),
     ),
     HardCase(

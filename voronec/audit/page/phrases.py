@@ -27,6 +27,8 @@ MEANING = {
 }
 FAULTS = ("misprint", "undecided", "not read", "unknown letters")
 """Verdicts that need a reader's attention."""
+NOUNS = ("misprint", "convention", "definition")
+"""Verdicts that have a plural."""
 KINDS = {"display": "displayed equations", "text": "in the text"}
 
 
@@ -148,7 +150,11 @@ def count_sentences(audit: Audit) -> list[str]:
     """The counts, a sentence for each kind of record."""
     lines = []
     for kind, numbers in counts(audit).items():
-        each = ", ".join(f"{n} {verdict}" for verdict, n in numbers.items() if n)
+        each = ", ".join(
+            f"{n} {verdict}{'s' * (n > 1 and verdict in NOUNS)}"
+            for verdict, n in numbers.items()
+            if n
+        )
         total = sum(numbers.values())
         name = KINDS[kind].removesuffix("s") if total == 1 else KINDS[kind]
         lines.append(f"{total} {name}: {each}")

@@ -8,6 +8,8 @@ const now = { parameters: [], start: [], motion: null, at: 0, playing: true, pac
 const tone = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const camera = { turn: 0.9, height: 0.45, far: 5, middle: [0, 0, 0] };
 let home = null;
+// Whether bodies are of glass, since from everywhere they would hide most of the traces.
+let through = false;
 
 function fail(text) {
   one("message").textContent = text;
@@ -157,60 +159,118 @@ function theme(dark) {
   now.dirty = true;
 }
 
-// Points of the traces up to five units of time, as they lie then: where, and whose surface they are on.
-function tracePoints(motion, sizes) {
-  let last = motion.times.findIndex((t) => Math.abs(t - motion.times[0]) > 5) - 1;
-  if (last < 0) last = motion.times.length - 1;
+// The instant at which the first sight is chosen: five units of time after the start, or the last.
+function firstInstant(motion) {
+  const after = motion.times.findIndex((t) => Math.abs(t - motion.times[0]) > 5 * (1 + 1e-9));
+  return after < 0 ? motion.times.length - 1 : after - 1;
+}
+
+// Points of the traces up to an instant, as they lie then, on the bodies and in space.
+function tracePoints(motion, last) {
   const points = [], step = Math.max(1, Math.floor(last / 120));
   const pose = (k, i) => motion.poses.subarray((k * motion.shapes + i) * POSE, (k * motion.shapes + i + 1) * POSE);
   DATA.shapes.forEach((shape, i) => {
     if (!shape.contact) return;
     const end = pose(last, i);
     for (let k = 0; k <= last; k += step) {
-      const c = pose(k, i), away = [c[12] - c[0], c[13] - c[1], c[14] - c[2]];
-      const own = [0, 1, 2].map((j) => c[3 + j] * away[0] + c[6 + j] * away[1] + c[9 + j] * away[2]);
-      points.push({ at: [0, 1, 2].map((j) => end[j] + end[3 + 3 * j] * own[0] + end[4 + 3 * j] * own[1] + end[5 + 3 * j] * own[2]), owner: i });
-      points.push({ at: [c[12], c[13], c[14]], owner: -1 });
+      const c = pose(k, i), own = onBody(c);
+      points.push([0, 1, 2].map((j) => end[j] + end[3 + 3 * j] * own[0] + end[4 + 3 * j] * own[1] + end[5 + 3 * j] * own[2]), [c[12], c[13], c[14]]);
     }
   });
-  const balls = DATA.shapes.map((_, i) => ({ centre: [...pose(last, i).slice(0, 3)], radius: sizes[i], glass: holds(i, motion, sizes) })).map((ball, i) => ({ ...ball, index: i })).filter((ball) => ball.radius && !ball.glass);
-  return { points, balls };
+  return points;
 }
 
-// How much of the picture's height the traces span from a place of the eye, and which part is seen.
-function traceView({ points, balls }, place) {
-  const { turn, height, far, middle } = place, flat = Math.cos(height);
-  const back = [flat * Math.cos(turn), flat * Math.sin(turn), Math.sin(height)], from = middle.map((c, j) => c + far * back[j]);
-  const up = [-Math.sin(height) * Math.cos(turn), -Math.sin(height) * Math.sin(turn), Math.cos(height)];
-  const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2], half = Math.tan((eye.fov * Math.PI) / 360);
-  let low = Infinity, high = -Infinity, seen = 0;
-  for (const { at, owner } of points) {
-    const d = at.map((c, j) => c - from[j]), length = Math.hypot(...d), y = dot(d, up) / (-dot(d, back) * half);
-    const hidden = balls.some((ball) => {
-      const to = ball.centre.map((c, j) => c - from[j]), along = dot(to, d) / length;
-      const aside = Math.sqrt(Math.max(0, dot(to, to) - along * along));
-      if (aside > 0.97 * ball.radius) return false;
-      return length > along - Math.sqrt(ball.radius ** 2 - aside ** 2) + (ball.index === owner ? 0.1 : 0.06) * ball.radius;
-    });
+// Where the point of contact lies on the body itself.
+function onBody(c) {
+  const away = [c[12] - c[0], c[13] - c[1], c[14] - c[2]];
+  return [0, 1, 2].map((j) => c[3 + j] * away[0] + c[6 + j] * away[1] + c[9 + j] * away[2]);
+}
+
+// How much of the picture's height the points span that are in it, from a place of the eye.
+function spanFrom({ turn, height, far, middle }, points) {
+  const flat = Math.cos(height), back = [flat * Math.cos(turn), flat * Math.sin(turn), Math.sin(height)];
+  const up = [-Math.sin(height) * Math.cos(turn), -Math.sin(height) * Math.sin(turn), flat], right = [-Math.sin(turn), Math.cos(turn), 0];
+  const half = Math.tan((eye.fov * Math.PI) / 360);
+  let low = 1, high = -1;
+  for (const point of points) {
+    const d = point.map((c, j) => c - middle[j] - far * back[j]), dot = (v) => v[0] * d[0] + v[1] * d[1] + v[2] * d[2];
+    const depth = -dot(back) * half, y = dot(up) / depth;
+    if (depth <= 0 || Math.abs(y) > 1 || Math.abs(dot(right) / depth) > SMALL[0] / SMALL[1]) continue;
     low = Math.min(low, y);
     high = Math.max(high, y);
-    if (!hidden && Math.abs(y) < 1) seen += 1;
   }
-  return { span: (high - low) / 2, seen: points.length ? seen / points.length : 1 };
+  return (high - low) / 2;
 }
 
-// Where the eye stands at first: the traces span a third of the height, and most of them is seen.
-function firstPlace(motion, sizes, place) {
-  const traces = tracePoints(motion, sizes);
-  if (!traces.points.length) return place;
-  const ends = [0, 1, 2].map((j) => traces.points.map(({ at }) => at[j])).map((xs) => (Math.min(...xs) + Math.max(...xs)) / 2);
-  let best = place, most = -Infinity;
-  for (const nearer of [1, 0.8, 0.65, 0.5, 0.4]) for (const height of [0.15, 0.45, 0.8, 1.1, 1.35]) for (let k = 0; k < 16; k++) {
-    const middle = one("follow").checked ? place.middle : place.middle.map((c, j) => nearer * c + (1 - nearer) * ends[j]);
-    const there = { ...place, middle, turn: 0.9 + (k * Math.PI) / 8, height, far: nearer * place.far }, found = traceView(traces, there);
-    const worth = 1.5 * Math.min(found.span / 0.33, 1) + Math.min(found.seen / 0.55, 1) + 0.1 * found.seen - 0.1 * (1 - nearer) - 0.05 * Math.abs(height - 0.45) - 0.002 * k;
-    if (worth > most) [best, most] = [there, worth];
+// The part of the traces that bodies do not hide from where the eye stands, counted on a small
+// picture: all of the traces in red, and what is in front in green.
+const SMALL = [240, 160];
+function shareSeen() {
+  const bytes = new Uint8Array(4 * SMALL[0] * SMALL[1]), gl = renderer.getContext();
+  renderer.render(scene, eye);
+  gl.readPixels(0, 0, ...SMALL, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  let all = 0, seen = 0;
+  for (let k = 0; k < bytes.length; k += 4) if (bytes[k] > 127) { all += 1; if (bytes[k + 1] > 127) seen += 1; }
+  return all ? seen / all : 0;
+}
+
+// Everything drawn as `shareSeen` counts it; what is given back undoes that.
+function inTwoColours() {
+  const before = [], plain = { color: 0, side: THREE.DoubleSide }, ADDITIVE = 2;
+  const dark = new THREE.MeshLambertMaterial({ ...plain, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+  const [whole, front] = [0xff0000, 0x00ff00].map((emissive) => new THREE.MeshLambertMaterial({ ...plain, emissive, transparent: true, blending: ADDITIVE }));
+  whole.depthTest = false;
+  drawn.forEach(({ group, beside, traces, spot }) => [...group.children, ...beside].forEach((mesh) => {
+    before.push([mesh, mesh.material, mesh.visible]);
+    const trace = traces.includes(mesh.geometry);
+    mesh.visible = mesh !== spot && (trace || !mesh.material.transparent);
+    mesh.material = !trace ? dark : mesh.material.depthTest ? front : whole;
+  }));
+  const ratio = renderer.getPixelRatio();
+  renderer.setPixelRatio(1);
+  renderer.setSize(...SMALL, false);
+  renderer.setClearColor(new THREE.Color(0));
+  return () => {
+    before.forEach(([mesh, material, visible]) => Object.assign(mesh, { material, visible }));
+    [dark, whole, front].forEach((material) => material.dispose());
+    renderer.setPixelRatio(ratio);
+    renderer.setClearColor(new THREE.Color(tone("paper")));
+    resize();
+  };
+}
+
+// Places of the eye all about, each as near as the traces need to span a third of the height, and
+// moved towards their middle by as much; those from afar come first, and close to bodies there are
+// none but where these are of glass.
+function placesAbout(place, points) {
+  const ends = [0, 1, 2].map((j) => points.map((at) => at[j])).map((xs) => (Math.min(...xs) + Math.max(...xs)) / 2);
+  const found = [];
+  for (const height of [0.45, 0.8, 0.2, 1.2]) for (const k of [0, 4, 2, 6, 1, 5, 3, 7]) {
+    const stands = (near) => ({ turn: place.turn + (k * Math.PI) / 4, height, far: near * place.far, middle: one("follow").checked ? place.middle : place.middle.map((c, j) => near * c + (1 - near) * ends[j]) });
+    let near = 1;
+    while (near > 0.05 && spanFrom(stands(near), points) < 0.36) near *= 0.9;
+    found.push({ near: Math.min(near, 0.6), ...stands(near) });
   }
+  return found.filter(({ near }) => through || near > 0.3).sort((a, b) => b.near - a.near);
+}
+
+// Where the eye stands at first: from the first place that sees most of the traces, else from that
+// which sees most of them.
+function firstPlace(motion, place, points) {
+  const undo = inTwoColours(), at = now.at;
+  now.at = firstInstant(motion);
+  placeBodies();
+  eye.aspect = SMALL[0] / SMALL[1];
+  eye.updateProjectionMatrix();
+  let best = { ...place, seen: 0 };
+  for (const there of placesAbout(place, points)) {
+    if (best.seen > 0.65) break;
+    stand(there);
+    const seen = shareSeen();
+    if (seen > best.seen) best = { ...there, seen };
+  }
+  now.at = at;
+  undo();
   return best;
 }
 
@@ -224,6 +284,11 @@ function holds(i, motion, sizes) {
   });
 }
 
+function glaze(mesh) {
+  Object.assign(mesh.material, { transparent: true, opacity: 0.3, depthWrite: false, needsUpdate: true });
+  mesh.renderOrder = 2;
+}
+
 function build(motion) {
   drawn.forEach((thing) => {
     scene.remove(thing.group, ...thing.beside);
@@ -233,24 +298,25 @@ function build(motion) {
   const sizes = DATA.shapes.map((shape, i) => (shape.patches.some((p) => !p) ? 0 : sizeOf(i)));
   const largest = Math.max(...sizes.filter((_, i) => DATA.shapes[i].role === "body"));
   const thin = Math.min(box.size / 330, largest / 30);
+  eye.near = box.size / 200;
+  eye.far = 60 * box.size;
   drawn = DATA.shapes.map((shape, i) => {
     const group = new THREE.Group(), beside = [], traces = [];
     group.matrixAutoUpdate = false;
-    const glass = holds(i, motion, sizes), last = motion.times.length - 1;
+    const glass = holds(i, motion, sizes) || (through && shape.role === "body"), last = motion.times.length - 1;
     const turns = [3, 4, 5, 6].some((j) => motion.poses[i * POSE + j] !== motion.poses[((last >> 1) * motion.shapes + i) * POSE + j]);
     shape.patches.forEach((ranges, p) => {
-      const look = { vertexColors: true, side: THREE.DoubleSide, transparent: glass, opacity: glass ? 0.3 : 1, depthWrite: !glass, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+      const look = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
       const part = new THREE.Mesh(patchGeometry(first[i] + p, ranges, box, COLOURS[shape.role], turns), new THREE.MeshLambertMaterial(look));
-      part.renderOrder = glass ? 2 : 0;
+      if (glass) glaze(part);
       group.add(part);
     });
     if (shape.contact) {
       const own = [], space = [];
       for (let k = 0; k < motion.times.length; k++) {
         const c = motion.poses.subarray((k * motion.shapes + i) * POSE, (k * motion.shapes + i + 1) * POSE);
-        const away = [c[12] - c[0], c[13] - c[1], c[14] - c[2]];
         space.push([c[12], c[13], c[14]]);
-        own.push([0, 1, 2].map((j) => c[3 + j] * away[0] + c[6 + j] * away[1] + c[9 + j] * away[2]));
+        own.push(onBody(c));
       }
       const line = (points, colour) => {
         const made = new THREE.Mesh(tubeGeometry(points, thin), new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide }));
@@ -273,29 +339,34 @@ function build(motion) {
     if (12 * largest < box.radius && !bounded) {
       one("follow").checked = true;
       home.far = 14 * largest;
-      let last = motion.times.findIndex((t) => Math.abs(t - motion.times[0]) > 5) - 1;
-      if (last < 0) last = motion.times.length - 1;
-      const body = DATA.shapes.findIndex((shape) => shape.role === "body");
+      const last = firstInstant(motion), body = DATA.shapes.findIndex((shape) => shape.role === "body");
       home.middle = [...motion.poses.subarray((last * motion.shapes + body) * POSE, (last * motion.shapes + body) * POSE + 3)];
     }
-    home = firstPlace(motion, sizes, home);
+    const points = tracePoints(motion, firstInstant(motion));
+    if (points.length) home = firstPlace(motion, home, points);
+    if (home.seen < 0.55 && !through) {
+      [home, through] = [null, true];
+      build(motion);
+      return;
+    }
     Object.assign(camera, home);
   }
-  eye.near = box.size / 200;
-  eye.far = 60 * box.size;
 }
 
 function look() {
-  const { turn, height, far } = camera, middle = camera.middle.slice();
   const moving = DATA.shapes.findIndex((shape) => shape.role === "body");
-  if (one("follow").checked && moving >= 0) poseAt(now.motion, moving, now.at).slice(0, 3).forEach((c, j) => { middle[j] = c; });
+  const middle = one("follow").checked && moving >= 0 ? poseAt(now.motion, moving, now.at).slice(0, 3) : camera.middle;
+  stand({ ...camera, middle });
+}
+
+function stand({ turn, height, far, middle }) {
   const aside = far * Math.cos(height);
   eye.position.set(middle[0] + aside * Math.cos(turn), middle[1] + aside * Math.sin(turn), middle[2] + far * Math.sin(height));
   eye.lookAt(...middle);
   sun.position.copy(eye.position).add(new THREE.Vector3(-far * Math.sin(turn), far * Math.cos(turn), far));
 }
 
-function place() {
+function placeBodies() {
   const k = Math.floor(now.at);
   drawn.forEach((thing, i) => {
     const c = poseAt(now.motion, i, now.at);
@@ -615,7 +686,7 @@ function draw() {
   drawCursor();
   drawQuartic();
   if (renderer) {
-    place();
+    placeBodies();
     look();
     renderer.render(scene, eye);
   }
