@@ -1,0 +1,72 @@
+"""The formulas of a paper, each with its place, its sentence and its tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from voronec.audit.display import Display
+from voronec.audit.formula import Formula
+from voronec.audit.latex.document import Document, PrintedDisplay
+from voronec.audit.latex.nodes import Chain
+from voronec.audit.study import Study
+from voronec.errors import DefinitionError
+
+
+@dataclass(frozen=True)
+class PrintedClaim:
+    """A formula of the paper with its display, its place and its tree, where it can be read.
+
+    ``error`` says why it cannot; ``doubt``, why it can be read in two ways, of which it is the one
+    in which a function takes the next name alone.
+    """
+
+    formula: Formula
+    display: PrintedDisplay
+    section: int
+    place: tuple[str, int, int]
+    chain: Chain | None
+    error: str = ""
+    doubt: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The words around it."""
+        return f"{self.display.before} {self.display.after}"
+
+    @property
+    def where(self) -> str:
+        """Line and column, and the number in print."""
+        number = f"({self.display.number}), " if self.display.number else ""
+        return f"{number}line {self.place[1]}, column {self.place[2]}"
+
+
+def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
+    """The formulas of a paper as they are read with a dictionary."""
+    found: list[PrintedClaim] = []
+    for number, section in enumerate(document.sections):
+        for display in section.displays:
+            found += claims_in(document, number, display, study)
+    return found
+
+
+def claims_in(
+    document: Document, section: int, display: PrintedDisplay, study: Study
+) -> Iterator[PrintedClaim]:
+    """The formulas of a display of a section."""
+    for position, unit, piece in display.formulas:
+        formula = Formula(Display(display.latex.text), unit, piece, position, display.kind)
+        at = document.source.place(display.latex.origins[piece.at[0]])
+        yield PrintedClaim(formula, display, section, at, *_tree(formula, study))
+
+
+def _tree(formula: Formula, study: Study) -> tuple[Chain | None, str, str]:
+    """The tree of a formula, why there is none, and why there may be another."""
+    try:
+        return formula.tree(study.vocabulary), "", ""
+    except DefinitionError as refusal:
+        doubt = str(refusal)
+    try:
+        return formula.tree(replace(study.vocabulary, narrow_functions=True)), "", doubt
+    except DefinitionError:
+        return None, doubt, ""
