@@ -78,6 +78,9 @@ def verdicts(found):
     return [record.verdict for record in found.records]
 
 
+MASS = r"\begin{pmatrix}m&0\\ 0&J+ma^2\end{pmatrix}"
+DOTS = r"\begin{pmatrix}\dot v\\ \dot\omega\end{pmatrix}"
+RIGHT = r"ma\omega^2, *mav\omega"
 TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
 
 
@@ -101,6 +104,41 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"One has $\{v,\omega\}=\frac{a}{}$.", "not read"),
         (r"Without the constraint $\dot v=0$.", "not read"),
         (r"One substitutes the variable $v=\omega+\phi$.", "not read"),
+        (rf"${MASS}({DOTS})=({RIGHT})^T$.".replace("*", "-"), "proved"),
+        (rf"${MASS}({DOTS})=({RIGHT})^T$.".replace("*", ""), "misprint"),
+        (
+            r"$\left[\begin{array}{c}\dot x\\\hline \dot y\end{array}\right]="
+            r"\begin{bmatrix}v\cos\phi\\[2pt] v\cos\phi\end{bmatrix}$.",
+            "misprint",
+        ),
+        (
+            r"With $q=(x,y,\phi)$, $u=(v,\omega)^\top$ and $S(q)=\begin{pmatrix}"
+            r"\cos\phi&0\\ \sin\phi&0\\ 0&1\end{pmatrix}$ one has $\dot q=S(q)u$.",
+            "proved",
+        ),
+        (
+            r"The energy is $T=\frac12\begin{pmatrix}v&\omega\end{pmatrix}"
+            r"\begin{pmatrix}m&0\\0&J+ma^2\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}$.",
+            "proved",
+        ),
+        (r"The minor is $\begin{vmatrix}m&a\\ 0&J\end{vmatrix}=mJ$.", "proved"),
+        (r"Also $\begin{pmatrix}m&a\\ 0\end{pmatrix}=\dot v$.", "not read"),
+        (r"$$|v|=\begin{cases}v,&v\ge0,\\ -v,&v<0.\end{cases}$$", "proved"),
+        (
+            r"$|v|=\left\{\begin{array}{ll}v & \mbox{if $v>0$,}\\ -v & \text{otherwise}"
+            r"\end{array}\right.$",
+            "proved",
+        ),
+        (r"$\dot v=\begin{cases}a\omega^2&v>0\\ 2a\omega^2&\text{else}\end{cases}$.", "not read"),
+        (r"Let $s=\begin{cases}1&v>0\\-1&v\le0\end{cases}$. Then $sv=|v|$.", "proved"),
+        (r"$$\begin{cases}\dot v=a\omega^2&v>0\\ \dot v=2a\omega^2&v<0\end{cases}$$", "definition"),
+        (r"The curvature is $A_{x\phi}^{(y)}=\frac1{\cos^2\phi}$.", "proved"),
+        (r"Its curvature is $A_{12}^{(1)}=-\frac1{\cos^2\phi}$.", "proved"),
+        (r"Its curvature is $A_{12}^{(1)}=\frac2{\cos^2\phi}$.", "definition"),
+        (
+            r"Ehresmann: $A_{12}^{(1)}=\frac1{\cos^2\phi}$, $A^{(1)}_{21}=\frac1{\cos^2\phi}$.",
+            "definition",
+        ),
     ],
 )
 def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):

@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.audit.contents import moves, value_or_none, values_of
+from voronec.audit.curvature_letters import is_component
 from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Chain, Dot, Name, Node
 from voronec.audit.letters import has_usual_words, names_in
@@ -64,7 +65,12 @@ def special_cases(
             found.append((f"${letter}\\to {value}$", {symbol: sp.Integer(value)}))
     for other in claims:
         beside = other.display.sentence == claim.display.sentence and other is not claim
-        if not beside or not other.chain or _holds(other, study):
+        if (
+            not beside
+            or not other.chain
+            or {*other.chain.relations} != {"="}
+            or _holds(other, study)
+        ):
             continue
         values = value_or_none(values_of, other.chain.parts, study)
         still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
@@ -104,6 +110,12 @@ def excuse(
             return FormulaRecord(printed, "convention", said)
     if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
         return FormulaRecord(printed, "definition", f"a condition on the {about}")
+    if any(is_component(name) for name in names_in(tuple(parts))):
+        said = "false with one sign and numbering of the curvature; which are meant?"
+        return FormulaRecord(printed, "not read", said)
+    values = value_or_none(values_of, parts, study) or ()
+    if any(value.has(sp.Piecewise) for value in values):
+        return FormulaRecord(printed, "not read", "false in general; it holds values by cases")
     for part in parts:
         if isinstance(part, Name) and not has_usual_words(part, claim.sentence):
             return FormulaRecord(printed, "not read", f"{part.head} may be something else here")

@@ -10,6 +10,7 @@ import sympy as sp
 from voronec.algebra.verdicts import prove_equal
 from voronec.audit.comparisons import value_of
 from voronec.audit.latex.nodes import (
+    Call,
     Chain,
     Derivative,
     Differential,
@@ -73,9 +74,11 @@ def is_slope_of_rate(node: Node, study: Study) -> bool:
 
 
 def lone_name(part: Node) -> Name | None:
-    """The single name of a part that holds numbers besides, as ``2h`` and ``c^2``."""
+    """The single name of a part that holds numbers besides, as ``2h``, ``c^2`` and ``M(q)``."""
     if isinstance(part, Name):
         return None if names_constant(part) else part
+    if isinstance(part, Call) and isinstance(part.function, Name):
+        return part.function
     if isinstance(part, Sum) and len(part.terms) == 1:
         return lone_name(part.terms[0][1])
     if isinstance(part, Power) and isinstance(part.exponent, Number):
@@ -92,6 +95,8 @@ def solve_for(part: Node, value: Node) -> tuple[Name | None, Node]:
     """The name of a part that is equal to a value, and what it is then; a power stays unsolved."""
     if isinstance(part, Name):
         return part, value
+    if isinstance(part, Call):
+        return part.function, value
     if isinstance(part, Sum) and len(part.terms) == 1:
         return solve_for(part.terms[0][1], Sum(((-1, value),)))
     if isinstance(part, Quotient):

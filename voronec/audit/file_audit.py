@@ -10,6 +10,7 @@ from typing import Any
 from voronec.algebra.text import as_expression
 from voronec.audit.claim_judge import ClaimJudge
 from voronec.audit.contents import moves
+from voronec.audit.curvature_letters import with_curvature
 from voronec.audit.introductions import Introductions
 from voronec.audit.latex.document import Document, PrintedDisplay, read_document
 from voronec.audit.latex.nodes import Chain
@@ -86,7 +87,9 @@ def audit_paper(
     study = replace(study, names=_names_with(study, given))
     claims = claims_of(document, study)
     _refuse_strangers(claims, study, given)
-    introduced = Introductions.of(claims, with_words(study, _by_displays(claims)))
+    study = with_words(study, _by_displays(claims))
+    study = with_curvature(study, claims, document.body.text)
+    introduced = Introductions.of(claims, study)
     records = _records(document, introduced, progress)
     title = document.title or Path(path).stem
     audit = Audit(Path(path).stem, title, tuple(records))

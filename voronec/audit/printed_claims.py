@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from voronec.audit.display import Display
-from voronec.audit.formula import Formula
+from voronec.audit.formula import Formula, source_of
 from voronec.audit.latex.document import Document, PrintedDisplay
-from voronec.audit.latex.nodes import Chain
-from voronec.audit.study import Study
+from voronec.audit.latex.nodes import Chain, Name
+from voronec.audit.study import Study, key_of
 from voronec.errors import DefinitionError
 
 
@@ -43,10 +44,36 @@ class PrintedClaim:
 
 def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
     """The formulas of a paper as they are read with a dictionary."""
+    study = replace(study, functions=study.functions | _functions(document, study))
     found: list[PrintedClaim] = []
     for number, section in enumerate(document.sections):
         for display in section.displays:
             found += claims_in(document, number, display, study)
+    return found
+
+
+_APPLIED = re.compile(
+    r"\s*(?P<name>(?:\\(?:mathbf|boldsymbol|mathcal|mathrm)\s*)?\{?\\?[a-zA-Z]+\}?(?:_\w|_\{\w+\})?)"
+    r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=(?!.*=)",
+    re.DOTALL,
+)
+r"""A letter with its arguments on a left side, ``M(q) = ...``."""
+
+
+def _functions(document: Document, study: Study) -> set[str]:
+    """The letters that the paper defines with their arguments, and the system does not have."""
+    found = set()
+    for display in document.displays:
+        for _, unit, piece in display.formulas:
+            match = _APPLIED.match(source_of(piece, unit.display))
+            if match is None or match["first"].strip() == "t":
+                continue
+            try:
+                name = study.tree(match["name"])
+            except DefinitionError:
+                continue
+            if isinstance(name, Name) and key_of(name) not in study.table:
+                found.add(name.head)
     return found
 
 
