@@ -101,6 +101,13 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The period is $T=\frac12mv^2$.", "definition"),
         (r"The momentum $\Pi=mv$ is used.", "definition"),
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
+        (r"Let $k$ be the ratio $J/m$. Then $(k+a^2)\dot\omega=-av\omega$.", "definition"),
+        (r"We denote by $P$ the quantity $J+ma^2$. One has $P\dot\omega=mav\omega$.", "definition"),
+        (r"At rest one has $\dot v=0$.", "proved"),
+        (r"In the special case $a=0$ one has $\dot v=0$.", "proved"),
+        (r"In the limit $m\to\infty$ one has $\dot\omega=-v\omega/a$.", "proved"),
+        (r"In the limit $m\to\infty$ one has $\dot\omega=v\omega/a$.", "not read"),
+        (r"Put $I:=J+ma^2$. Later $I=J$.", "convention"),
         (r"One has $\{v,\omega\}=\frac{a}{}$.", "not read"),
         (r"Without the constraint $\dot v=0$.", "not read"),
         (r"One substitutes the variable $v=\omega+\phi$.", "not read"),
@@ -238,6 +245,13 @@ SPEEDS = r"Here $$\dot v=a\omega^2,\eqno(9)$$ $\dot x=v\cos\phi$, $\dot y=v\sin\
         (r"The constraint is nonholonomic.", "proved"),
         (r"The constraint is not integrable.", "proved"),
         (r"The plane is touched; this constraint is holonomic.", "unaudited"),
+        (r"All constraints are nonholonomic.", "proved"),
+        (r"None of the constraints is integrable.", "proved"),
+        (r"Both constraints are holonomic.", "unaudited"),
+        (r"In the limit $J\to\infty$ the rate $\dot\omega$ tends to $0$.", "proved"),
+        (r"In the limit $J\to\infty$ the rate $\dot\omega$ tends to $\omega$.", "unaudited"),
+        (r"The system is integrable by quadratures.", "unaudited"),
+        (r"The system is not integrable.", "unaudited"),
         (r"The sleigh is the simplest of all problems.", "unaudited"),
     ],
 )
@@ -246,6 +260,13 @@ def test_a_sentence_is_judged_by_an_exact_pattern_or_listed(tmp_path, sentence, 
     said = [record for record in found.audit.records if record.decisive.says]
     assert {record.verdict for record in said[1:]} == {verdict}
     assert all(sentence.split("$")[0].split("\\")[0] in record.printed for record in said[1:])
+
+
+def test_a_system_is_integrable_where_it_claims_a_theorem_that_is_proved(tmp_path):
+    (tmp_path / "paper.tex").write_text(r"$\dot x=v\cos\phi$. The system is integrable.", "utf-8")
+    found = vo.audit_paper(tmp_path / "paper.tex", vo.load("sleigh"))
+    assert found.audit.records[-1].verdict == "proved"
+    assert "Euler and Jacobi" in found.audit.records[-1].decisive.method
 
 
 @pytest.mark.parametrize(("root", "verdict"), [(r"\sqrt", "proved"), ("", "unaudited")])

@@ -23,7 +23,6 @@ from voronec.audit.contents import (
     is_linear,
     is_slope_of_rate,
     lone_name,
-    value_or_none,
 )
 from voronec.audit.display import Check, Display
 from voronec.audit.introductions import INTEGRAL, Introductions
@@ -153,14 +152,13 @@ class ClaimJudge:
         if claim.doubt:
             return FormulaRecord(printed, "not read", claim.doubt)
         cases = special_cases(claim, self.claims, study)
-        for said, special in cases:
-            outcome = value_or_none(verify, chain, Check(), special)
-            if outcome is not None and outcome.verdict.proved:
-                method = f"true for {said}, which its sentence names"
+        for case in cases:
+            if case.holds(chain):
+                method = f"true for {case.said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:
-            reason = f"false in general, and for {cases[-1][0]}, which its sentence names"
+            reason = f"false in general, and for {cases[-1].said}, which its sentence names"
             return FormulaRecord(printed, "not read", reason)
         return spared or self._refutation(claim, study)
 

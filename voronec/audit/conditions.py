@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.verdicts import prove_equal
 from voronec.audit.contents import moves, value_or_none, values_of
 from voronec.audit.curvature_letters import is_component
 from voronec.audit.display import Check
@@ -44,14 +45,42 @@ _ASSUMPTIONS = re.compile(
 _INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
 _BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
 """Words right behind a formula that restrict it."""
-_LIMIT = re.compile(r"\$\s*([^$=]+?)\s*\\(?:to|rightarrow)\s*(-?\d+)\s*\$")
-"""A limit at a number, as ``$k\to 0$``."""
+_LIMIT = re.compile(
+    r"\$\s*([^$=]+?)\s*\\(?:to|rightarrow)\s*\+?(-?\d+|-?\s*\\infty)(?![a-zA-Z])\s*\$"
+)
+r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
+_SMALL = sp.Symbol("small", positive=True)
+"""What vanishes where something is infinite."""
 _AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class SpecialCase:
+    """A case as its words say, and the dictionary under its conditions, which may hold what is
+    infinite."""
+
+    said: str
+    study: Study
+
+    def holds(self, chain: Chain) -> bool:
+        """Whether a formula is proved in this case."""
+        if any(value.has(_SMALL) for value in self.study.given.values()):
+            return value_or_none(_in_limit, chain, self.study) is True
+        outcome = value_or_none(verify, chain, Check(), self.study)
+        return outcome is not None and outcome.verdict.proved
+
+
+def _in_limit(chain: Chain, study: Study) -> bool:
+    """Whether two sides have no difference in the limit."""
+    along, given = study.motion.along, dict(study.given)
+    left, right = (along(value).xreplace(given) for value in values_of(chain.parts, study))
+    top, bottom = (part.xreplace({_SMALL: 0}) for part in sp.fraction(sp.cancel(left - right)))
+    return bool(prove_equal(top, 0).proved and prove_equal(bottom, 0).refuted)
 
 
 def special_cases(
     claim: PrintedClaim, claims: Sequence[PrintedClaim], study: Study
-) -> list[tuple[str, Study]]:
+) -> list[SpecialCase]:
     """The cases that the sentence of a formula names: conditions, each alone and all together."""
     found: list[tuple[str, dict[Any, Any]]] = []
     moving = study.motion.rates
@@ -62,15 +91,13 @@ def special_cases(
         node = value_or_none(study.tree, letter)
         symbol = node and study.table.get(study.key(node))
         if isinstance(symbol, sp.Symbol):
-            found.append((f"${letter}\\to {value}$", {symbol: sp.Integer(value)}))
+            far = (-1 if "-" in value else 1) / _SMALL
+            place = far if "infty" in value else sp.Integer(value)
+            found.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
         beside = other.display.sentence == claim.display.sentence and other is not claim
-        if (
-            not beside
-            or not other.chain
-            or {*other.chain.relations} != {"="}
-            or _holds(other, study)
-        ):
+        equality = other.chain is not None and {*other.chain.relations} == {"="}
+        if not beside or not equality or SpecialCase("", study).holds(other.chain):
             continue
         values = value_or_none(values_of, other.chain.parts, study)
         still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
@@ -84,16 +111,10 @@ def special_cases(
         found.append((" and ".join(said for said, _ in found), together))
     constant = _has_constancy(claim)
     return [
-        (said, replace(study, given=given))
+        SpecialCase(said, replace(study, given=given))
         for said, given in found
         if not (constant and given.keys() & moving.keys())
     ]
-
-
-def _holds(claim: PrintedClaim, study: Study) -> bool:
-    """Whether a formula is true in general, so that it is no condition."""
-    outcome = value_or_none(verify, claim.chain, Check(), study)
-    return outcome is not None and outcome.verdict.proved
 
 
 def excuse(

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 from voronec.audit.display import Display
 from voronec.audit.formula import Formula, source_of
-from voronec.audit.latex.document import Document, PrintedDisplay
+from voronec.audit.latex.document import Document, PrintedDisplay, PrintedSentence
 from voronec.audit.latex.nodes import Chain, Name
+from voronec.audit.latex.tex_file import MarkedText
 from voronec.audit.study import Study, key_of
 from voronec.errors import DefinitionError
 
@@ -43,13 +44,45 @@ class PrintedClaim:
 
 
 def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
-    """The formulas of a paper as they are read with a dictionary."""
-    study = replace(study, functions=study.functions | _functions(document, study))
+    """The formulas of a paper as they are read with a dictionary, its definitions in words too."""
     found: list[PrintedClaim] = []
     for number, section in enumerate(document.sections):
         for display in section.displays:
             found += claims_in(document, number, display, study)
+    for sentence in document.sentences:
+        for match in _DEFINES.finditer(sentence.words):
+            numbers = [n for n in match.groups() if n is not None]
+            name, value = (sentence.formulas[int(n)] for n in numbers)
+            made = claim_in_words(document, sentence, f"${name}={value}$", study)
+            parts = made.chain.parts if made is not None and made.chain else ()
+            if len(parts) == 2 and isinstance(parts[0], Name) and not isinstance(parts[1], Name):
+                found += [made] if made and key_of(parts[0]) not in study.table else []
     return found
+
+
+_DEFINES = re.compile(
+    r"(?:\bdenote by \$(\d+)\$|\blet \$(\d+)\$ (?:be|denote)|\$(\d+)\$ (?:denotes|stands for)) "
+    r"(?:the )?(?:(?:ratio|quantity|sum|difference|product|constant|expression) )?\$(\d+)\$",
+    re.IGNORECASE,
+)
+"""A letter, and what it is, as "let $k$ be the ratio $J/m$"."""
+
+
+def claim_in_words(
+    document: Document,
+    sentence: PrintedSentence,
+    latex: str,
+    study: Study,
+    before: str = "",
+    after: str = "",
+) -> PrintedClaim | None:
+    """A formula that the words of a sentence make, as a claim."""
+    marked = MarkedText(latex, (document.body.origins[sentence.at],) * len(latex))
+    display = PrintedDisplay(marked, "text", "", before, after, sentence.number)
+    titles = [section.title for section in document.sections]
+    section = titles.index(sentence.section) if sentence.section in titles else 0
+    found = [*claims_in(document, section, display, study)]
+    return found[0] if len(found) == 1 else None
 
 
 _APPLIED = re.compile(
@@ -60,7 +93,7 @@ _APPLIED = re.compile(
 r"""A letter with its arguments on a left side, ``M(q) = ...``."""
 
 
-def _functions(document: Document, study: Study) -> set[str]:
+def applied_letters(document: Document, study: Study) -> set[str]:
     """The letters that the paper defines with their arguments, and the system does not have."""
     found = set()
     for display in document.displays:

@@ -13,9 +13,8 @@ from voronec.audit.claim_judge import ClaimJudge
 from voronec.audit.claims_in_words import WordClaim, claims_in_words, last_side
 from voronec.audit.comparisons import value_of
 from voronec.audit.contents import value_or_none
-from voronec.audit.latex.document import Document, PrintedDisplay, PrintedSentence
-from voronec.audit.latex.tex_file import MarkedText
-from voronec.audit.printed_claims import PrintedClaim, claims_in
+from voronec.audit.latex.document import Document, PrintedSentence
+from voronec.audit.printed_claims import PrintedClaim, claim_in_words
 from voronec.audit.record import FormulaRecord
 
 
@@ -56,13 +55,7 @@ class SentenceJudge:
     def _claim_of(
         self, sentence: PrintedSentence, latex: str, before: str = "", after: str = ""
     ) -> PrintedClaim | None:
-        """A formula that stands in the words of a sentence, as a claim."""
-        marked = MarkedText(latex, (self.document.body.origins[sentence.at],) * len(latex))
-        display = PrintedDisplay(marked, "text", "", before, after, sentence.number)
-        titles = [section.title for section in self.document.sections]
-        section = titles.index(sentence.section) if sentence.section in titles else 0
-        found = [*claims_in(self.document, section, display, self.judge.study)]
-        return found[0] if len(found) == 1 else None
+        return claim_in_words(self.document, sentence, latex, self.judge.study, before, after)
 
     def _density(self, sentence: PrintedSentence, latex: str) -> Any:
         """The value of a formula in the invariants of the system, else None."""
