@@ -276,7 +276,7 @@ def test_another_convention_is_told_from_a_misprint():
         ("x+z=y", r"character 4: the name 'z' is not in the dictionary; add it, at '$x+ >>> z=y$'"),
         (r"x+\heartsuit=y", r"character 4: '\heartsuit' is not understood"),
         (r"E=\frac12mw^2+\frac12cz^2", "character 24: the name 'z' is not in the dictionary"),
-        (r"x=\begin{cases}y\\ y&x=0\end{cases}", r"character 4: '\begin{cases}' is not understood"),
+        (r"x=\begin{CD}y@>>>y\end{CD}", r"character 4: '\begin{CD}' is not understood"),
         ("x_y=y", "the index 'y' has no integer value"),
         ("x(w)=w", "character 3: this may be a function of w, or a product"),
         ("x=0,5y", "',' is not understood here"),

@@ -78,6 +78,9 @@ def verdicts(found):
     return [record.verdict for record in found.records]
 
 
+MASS = r"\begin{pmatrix}m&0\\ 0&J+ma^2\end{pmatrix}"
+DOTS = r"\begin{pmatrix}\dot v\\ \dot\omega\end{pmatrix}"
+RIGHT = r"ma\omega^2, *mav\omega"
 TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
 
 
@@ -98,9 +101,51 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The period is $T=\frac12mv^2$.", "definition"),
         (r"The momentum $\Pi=mv$ is used.", "definition"),
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
+        (r"Let $k$ be the ratio $J/m$. Then $(k+a^2)\dot\omega=-av\omega$.", "definition"),
+        (r"We denote by $P$ the quantity $J+ma^2$. One has $P\dot\omega=mav\omega$.", "definition"),
+        (r"At rest one has $\dot v=0$.", "proved"),
+        (r"In the special case $a=0$ one has $\dot v=0$.", "proved"),
+        (r"In the limit $m\to\infty$ one has $\dot\omega=-v\omega/a$.", "proved"),
+        (r"In the limit $m\to\infty$ one has $\dot\omega=v\omega/a$.", "not read"),
+        (r"Put $I:=J+ma^2$. Later $I=J$.", "convention"),
         (r"One has $\{v,\omega\}=\frac{a}{}$.", "not read"),
         (r"Without the constraint $\dot v=0$.", "not read"),
         (r"One substitutes the variable $v=\omega+\phi$.", "not read"),
+        (rf"${MASS}({DOTS})=({RIGHT})^T$.".replace("*", "-"), "proved"),
+        (rf"${MASS}({DOTS})=({RIGHT})^T$.".replace("*", ""), "misprint"),
+        (
+            r"$\left[\begin{array}{c}\dot x\\\hline \dot y\end{array}\right]="
+            r"\begin{bmatrix}v\cos\phi\\[2pt] v\cos\phi\end{bmatrix}$.",
+            "misprint",
+        ),
+        (
+            r"With $q=(x,y,\phi)$, $u=(v,\omega)^\top$ and $S(q)=\begin{pmatrix}"
+            r"\cos\phi&0\\ \sin\phi&0\\ 0&1\end{pmatrix}$ one has $\dot q=S(q)u$.",
+            "proved",
+        ),
+        (
+            r"The energy is $T=\frac12\begin{pmatrix}v&\omega\end{pmatrix}"
+            r"\begin{pmatrix}m&0\\0&J+ma^2\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}$.",
+            "proved",
+        ),
+        (r"The minor is $\begin{vmatrix}m&a\\ 0&J\end{vmatrix}=mJ$.", "proved"),
+        (r"Also $\begin{pmatrix}m&a\\ 0\end{pmatrix}=\dot v$.", "not read"),
+        (r"$$|v|=\begin{cases}v,&v\ge0,\\ -v,&v<0.\end{cases}$$", "proved"),
+        (
+            r"$|v|=\left\{\begin{array}{ll}v & \mbox{if $v>0$,}\\ -v & \text{otherwise}"
+            r"\end{array}\right.$",
+            "proved",
+        ),
+        (r"$\dot v=\begin{cases}a\omega^2&v>0\\ 2a\omega^2&\text{else}\end{cases}$.", "not read"),
+        (r"Let $s=\begin{cases}1&v>0\\-1&v\le0\end{cases}$. Then $sv=|v|$.", "proved"),
+        (r"$$\begin{cases}\dot v=a\omega^2&v>0\\ \dot v=2a\omega^2&v<0\end{cases}$$", "definition"),
+        (r"The curvature is $A_{x\phi}^{(y)}=\frac1{\cos^2\phi}$.", "proved"),
+        (r"Its curvature is $A_{12}^{(1)}=-\frac1{\cos^2\phi}$.", "proved"),
+        (r"Its curvature is $A_{12}^{(1)}=\frac2{\cos^2\phi}$.", "definition"),
+        (
+            r"Ehresmann: $A_{12}^{(1)}=\frac1{\cos^2\phi}$, $A^{(1)}_{21}=\frac1{\cos^2\phi}$.",
+            "definition",
+        ),
     ],
 )
 def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
@@ -200,6 +245,13 @@ SPEEDS = r"Here $$\dot v=a\omega^2,\eqno(9)$$ $\dot x=v\cos\phi$, $\dot y=v\sin\
         (r"The constraint is nonholonomic.", "proved"),
         (r"The constraint is not integrable.", "proved"),
         (r"The plane is touched; this constraint is holonomic.", "unaudited"),
+        (r"All constraints are nonholonomic.", "proved"),
+        (r"None of the constraints is integrable.", "proved"),
+        (r"Both constraints are holonomic.", "unaudited"),
+        (r"In the limit $J\to\infty$ the rate $\dot\omega$ tends to $0$.", "proved"),
+        (r"In the limit $J\to\infty$ the rate $\dot\omega$ tends to $\omega$.", "unaudited"),
+        (r"The system is integrable by quadratures.", "unaudited"),
+        (r"The system is not integrable.", "unaudited"),
         (r"The sleigh is the simplest of all problems.", "unaudited"),
     ],
 )
@@ -208,6 +260,13 @@ def test_a_sentence_is_judged_by_an_exact_pattern_or_listed(tmp_path, sentence, 
     said = [record for record in found.audit.records if record.decisive.says]
     assert {record.verdict for record in said[1:]} == {verdict}
     assert all(sentence.split("$")[0].split("\\")[0] in record.printed for record in said[1:])
+
+
+def test_a_system_is_integrable_where_it_claims_a_theorem_that_is_proved(tmp_path):
+    (tmp_path / "paper.tex").write_text(r"$\dot x=v\cos\phi$. The system is integrable.", "utf-8")
+    found = vo.audit_paper(tmp_path / "paper.tex", vo.load("sleigh"))
+    assert found.audit.records[-1].verdict == "proved"
+    assert "Euler and Jacobi" in found.audit.records[-1].decisive.method
 
 
 @pytest.mark.parametrize(("root", "verdict"), [(r"\sqrt", "proved"), ("", "unaudited")])

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from voronec.audit.latex.document import ELLIPSIS, PrintedSentence
@@ -19,6 +19,7 @@ from voronec.declaration.claims import Measure
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
+from voronec.proof.claims import check_claims
 from voronec.proof.measures import decide_measure
 
 CONSTANT_WORD = r"\text{const}"
@@ -37,8 +38,13 @@ _EQUAL = re.compile(
 )
 _FREEDOM = re.compile(r"\bhas (?P<count>\w+) degrees? of freedom\b")
 _BOUND = re.compile(
-    r"(?<!both )(?<!all )\bconstraint(?P<plural>s)?(?: \([^()\s]+\))? (?:is|are) (?P<no>not )?"
-    r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b"
+    r"\b(?:(?P<each>both|all|neither|none)(?: of)?(?: the)? )?constraint(?P<plural>s)?"
+    r"(?: \([^()\s]+\))? (?:is|are) (?P<no>not )?"
+    r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b",
+    re.IGNORECASE,
+)
+_SOLVED = re.compile(
+    r"\b(?:system|problem|equations)(?: of motion)? (?:is|are) (?:completely )?integrable\b"
 )
 _MEASURE = re.compile(r"\bmeasure\b[^$]* with (?:the )?density (?:\w+ )?\$(?P<density>\d+)\$")
 _NEGATION = re.compile(
@@ -88,11 +94,16 @@ def claims_in_words(
     """
     words = sentence.words
     if (match := _BOUND.search(words)) is not None:
-        positive = bool(match["no"]) == match["kind"].startswith("non")
+        denied = bool(match["no"]) != ((match["each"] or "")[:1].lower() == "n")
+        positive = denied == match["kind"].lower().startswith("non")
         several = bool(match["plural"])
+        if match["each"]:
+            return [WordClaim(False, decide=lambda equations: _each(equations, positive))]
         return [WordClaim(True, decide=lambda equations: _integrable(equations, positive, several))]
     if _NEGATION.search(words):
         return []
+    if _SOLVED.search(words) is not None:
+        return [WordClaim(False, decide=_solved)]
     if (match := _FREEDOM.search(words)) is not None:
         count = match["count"].lower()
         number = _COUNTS.index(count) if count in _COUNTS else count
@@ -142,10 +153,28 @@ def _integrable(equations: VoronecEquations, stated: bool, several: bool) -> tup
     if not several and len(equations.system.constraints) != 1:
         return "unaudited", "the system has several constraints, or none"
     if (equations.kind == "holonomic") == stated:
-        return "proved", f"the curvature of the constraints {'vanishes' if stated else 'does not'}"
+        said = "vanishes" if stated else "does not vanish"
+        return "proved", f"the curvature of the constraints {said}"
     if stated:
         return "unaudited", "the curvature of the system's constraints does not vanish; others do"
     return "misprint", "the curvature of the constraints vanishes"
+
+
+def _each(equations: VoronecEquations, stated: bool) -> tuple[str, str]:
+    """Whether each of the constraints is integrable, or none, whatever their combinations are."""
+    found = len(equations.integrable)
+    if found == (len(equations.system.constraints) if stated else 0):
+        return "proved", f"{found or 'no'} combinations of the constraints integrate"
+    return "unaudited", f"{found} combinations of the constraints integrate; which are meant?"
+
+
+def _solved(equations: VoronecEquations) -> tuple[str, str]:
+    """Whether a theorem of integrability that the system itself claims is proved for it."""
+    own = equations.system
+    for claim in check_claims(replace(own, cases={})) if own.integrable else ():
+        if claim.kind == "integrable" and claim.verdict.proved:
+            return "proved", f"{claim.standing}: {claim.verdict.method}"
+    return "unaudited", "the system claims no theorem of integrability that is proved"
 
 
 def _measure(equations: VoronecEquations, density: Any) -> tuple[str, str]:

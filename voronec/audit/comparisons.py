@@ -120,8 +120,11 @@ def _componentwise(
     if not isinstance(left, sp.MatrixBase):
         yield FormulaComparison(left, right, where, about)
         return
+    columns = left.shape[1]
     for position, (a, b) in enumerate(zip(left, right, strict=True)):
-        yield FormulaComparison(a, b, where, f"component {position + 1} {about}".strip())
+        row, column = divmod(position, columns)
+        place = f"component {row + 1}" if columns == 1 else f"entry ({row + 1}, {column + 1})"
+        yield FormulaComparison(a, b, where, f"{place} {about}".strip())
 
 
 def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:

@@ -12,10 +12,10 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.symbols import velocity
-from voronec.audit.file_audit import PrintedClaim, claims_of
 from voronec.audit.latex.document import Document
 from voronec.audit.latex.nodes import Dot, Name, walk
 from voronec.audit.meaning import SENSELESS, evaluate
+from voronec.audit.printed_claims import PrintedClaim, claims_of
 from voronec.audit.study import Motion, Study, key_of
 from voronec.errors import DefinitionError
 

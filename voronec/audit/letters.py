@@ -19,7 +19,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
-from voronec.audit.latex.nodes import Chain, Name, Node
+from voronec.audit.latex.nodes import TRANSPOSED, Chain, Name, Node, Power
 from voronec.audit.latex.tokens import FUNCTIONS, Unfamiliar
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
@@ -112,7 +112,9 @@ def _letters_of_mechanics(equations: VoronecEquations, study: Study) -> dict[str
 
 
 def names_in(part: Any) -> Iterator[Name]:
-    """The names in a tree, without those that stand as indices."""
+    """The names in a tree, without those that stand as indices, and the T of what is transposed."""
+    if isinstance(part, Power) and part.exponent in TRANSPOSED:
+        part = part.base
     if isinstance(part, Name):
         yield part
     elif isinstance(part, tuple):
@@ -137,14 +139,14 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
             if key in table or key == "const":
                 continue
             if plain in table:
-                found[_latex(name)] = table[key] = table[plain]
+                found[spelled(name)] = table[key] = table[plain]
             elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
-                found[_latex(name)] = table[key] = derived[plain]
+                found[spelled(name)] = table[key] = derived[plain]
         first = chains[0].parts[0] if chains else None
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
             value = _value_by_words(display, first, derived, study)
             if value is not None:
-                found[_latex(first)] = table[key_of(first)] = value
+                found[spelled(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})
 
 
@@ -170,7 +172,7 @@ def _value_by_words(
     return None
 
 
-def _latex(name: Name) -> str:
+def spelled(name: Name) -> str:
     """A name as a dictionary spells it."""
     below, above = (",".join(map(spell, marks)) for marks in (name.sub, name.sup))
     return name.head + (f"_{{{below}}}" if below else "") + (f"^{{{above}}}" if above else "")
@@ -186,9 +188,9 @@ def unknown_names(chain: Node, study: Study) -> list[str]:
         try:
             evaluate(name, study)
         except UnknownName:
-            found.setdefault(_latex(name))
+            found.setdefault(spelled(name))
         except Unfamiliar:  # p_v, where v has a value that is no index
-            found |= {_latex(name): None} if name.sub or name.sup else {}
+            found |= {spelled(name): None} if name.sub or name.sup else {}
         except SENSELESS:
             continue  # told where the formula gets its verdict
     return [*found]

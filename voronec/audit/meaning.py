@@ -26,8 +26,10 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.audit.latex.nodes import (
     POINT,
+    TRANSPOSED,
     Bound,
     Call,
+    Cases,
     Cross,
     Derivative,
     Differential,
@@ -36,6 +38,7 @@ from voronec.audit.latex.nodes import (
     Elementary,
     Integral,
     Listing,
+    Matrix,
     Name,
     Node,
     Number,
@@ -49,6 +52,7 @@ from voronec.audit.latex.nodes import (
     Wedge,
     walk,
 )
+from voronec.audit.latex.tables import links
 from voronec.audit.latex.tokens import Misprint, Unfamiliar
 from voronec.audit.latex.vocabulary import CALL
 from voronec.audit.structure import free_indices
@@ -102,7 +106,8 @@ def _call(node: Call, study: Study, where: Where) -> Any:
             f"'{_kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
             "its list of arguments leaves out"
         )
-    if listed and value.free_symbols and not listed & value.free_symbols:
+    constant = isinstance(value, sp.MatrixBase)  # M(q), where M is constant for this system
+    if listed and value.free_symbols and not (listed & value.free_symbols or constant):
         kind = Misprint if isinstance(node.function, Name) else Unfamiliar  # no rate: its value
         raise kind(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
     return value
@@ -114,6 +119,8 @@ def _variables(study: Study) -> set[sp.Expr]:
 
 
 def _size(value: Any) -> Any:
+    if isinstance(value, sp.MatrixBase) and value.is_square:
+        return value.det()
     if isinstance(value, sp.MatrixBase):
         raise DefinitionError("the size of a vector is not read; write it with a scalar product")
     return sp.Abs(value)
@@ -444,7 +451,12 @@ def _bound(node: Bound, study: Study, where: Where) -> Any:
 
 
 def _power(node: Power, study: Study, where: Where) -> Any:
+    transposed = node.exponent in TRANSPOSED
+    if transposed and isinstance(node.base, Listing):
+        return sp.Matrix(_listed_values(node.base.items, study, where))
     base = evaluate(node.base, study, where)
+    if transposed and isinstance(base, sp.MatrixBase):
+        return base.T
     exponent = evaluate(node.exponent, study, where)
     if isinstance(base, sp.MatrixBase) and not base.is_square:
         if exponent != 2:
@@ -479,7 +491,32 @@ def _product(node: Product, study: Study, where: Where) -> Any:
     value: Any = sp.Integer(1)
     for factor in node.factors:
         value = value * evaluate(factor, study, where)
+        if isinstance(value, sp.MatrixBase) and value.shape == (1, 1):
+            value = value[0]  # x^T M x
     return value
+
+
+def _matrix(node: Matrix, study: Study, where: Where) -> Any:
+    return sp.Matrix([[evaluate(cell, study, where) for cell in row] for row in node.rows])
+
+
+_CONDITIONS: dict[str, Any] = {
+    "=": sp.Eq, "<": sp.Lt, ">": sp.Gt, "\\ne": sp.Ne, "\\neq": sp.Ne, "\\le": sp.Le,
+    "\\leq": sp.Le, "\\ge": sp.Ge, "\\geq": sp.Ge,
+}  # fmt: skip
+
+
+def _cases(node: Cases, study: Study, where: Where) -> Any:
+    """The first value whose condition holds; the last one wherever no other does."""
+    found = []
+    for value, *conditions in node.cases:
+        said = [
+            _CONDITIONS[sign](evaluate(a, study, where), evaluate(b, study, where))
+            for chain in conditions
+            for a, sign, b in links(chain)
+        ]
+        found.append((evaluate(value, study, where), sp.And(*said)))
+    return sp.Piecewise(*found[:-1], (found[-1][0], True))
 
 
 def _cross(node: Cross, study: Study, where: Where) -> Any:
@@ -518,6 +555,8 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
     Call: _call,
     Cross: _cross,
+    Matrix: _matrix,
+    Cases: _cases,
     Listing: _listing,
     Partial: _partial,
     Derivative: _derivative,

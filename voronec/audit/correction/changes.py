@@ -15,6 +15,7 @@ from itertools import pairwise
 from voronec.audit.latex.displays import RELATIONS, group_end, script_ranges
 from voronec.audit.latex.nodes import Elementary, Name, Number, Power, walk
 from voronec.audit.latex.reader import read
+from voronec.audit.latex.tables import BEGINNINGS, ENDS
 from voronec.audit.latex.tokens import ACCENTS, ELEMENTARY, GREEK, Token, tokenize
 from voronec.audit.latex.vocabulary import CALL, LatexVocabulary
 from voronec.audit.study import Study
@@ -188,14 +189,16 @@ _CLOSERS = {"(": ")", "[": "]", "{": "}"}
 _FRACTIONS = ("\\frac", "\\dfrac", "\\tfrac")
 _PREFIXES = frozenset(("\\partial", "\\dot", "\\ddot", "\\sqrt", "\\delta", *ELEMENTARY, *ACCENTS))
 """Words that belong to what follows them."""
-_EDGES = frozenset(("+", "-", "\\pm", "\\mp", ",", *RELATIONS))
+_EDGES = frozenset(("+", "-", "\\pm", "\\mp", ",", *RELATIONS, *ENDS, *BEGINNINGS))
 """Words between which terms stand."""
+_HEADS = {"(", "[", *RELATIONS, *BEGINNINGS, "&", "\\\\"}
+"""Words behind which a first term stands."""
 
 
 def _exchanges(words: Sequence[Token]) -> Iterator[Change]:
     """Signs, sine and cosine; a sign at the head of a side or a bracket."""
     for before, word in zip((None, *words), words, strict=False):
-        heads = before is not None and (before.text in RELATIONS or before.text in ("(", "["))
+        heads = before is not None and before.text in _HEADS
         if heads and word.text not in ("+", "-"):
             yield Change.at(word.start, word.start, "-")
         if word.text in _COMPANIONS:
@@ -270,7 +273,7 @@ def _script_edits(words: Sequence[Token]) -> Iterator[Change]:
 
 def _omissions(words: Sequence[Token]) -> Iterator[Change]:
     """The formula without a word, then without a factor, a denominator, a term."""
-    structure = {*_CLOSERS, *_CLOSERS.values(), "^", "_", ",", *RELATIONS}
+    structure = {*_CLOSERS, *_CLOSERS.values(), "^", "_", ",", *RELATIONS, *ENDS, *BEGINNINGS}
     places = [i for i, word in enumerate(words) if word.text not in structure]
     yield from (_without(words, i, i + 1) for i in places)
     heads = [i for i, word in enumerate(words) if word.text in ("(", "[") or i in places]

@@ -40,10 +40,12 @@ from voronec.audit.latex.nodes import (
     Variation,
     Wedge,
 )
+from voronec.audit.latex.tables import BEGINNINGS, ENDS
 from voronec.audit.latex.tokens import (
     ELEMENTARY,
     ELLIPSES,
     FUNCTION_NAMES,
+    FUNCTIONS,
     Ambiguous,
     Misprint,
     Token,
@@ -55,7 +57,7 @@ from voronec.errors import DefinitionError
 
 CLOSERS = {")": "(", "]": "[", "}": "{", "\\}": "\\{"}
 _SIGNS = {"+": 1, "-": -1, "\\pm": 1, "\\mp": -1}
-STOP = {*CLOSERS, ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS)
+STOP = {*CLOSERS, ",", "\\quad", "\\qquad"} | RELATIONS | set(_SIGNS) | ENDS
 _ARROWS = (["\\mapsto"], ["\\longmapsto"])
 BETWEEN: dict[str, Callable[[Node, Node, tuple[int, int]], Node]] = {
     "\\times": Cross,
@@ -155,6 +157,7 @@ class Reader:
             relations.append("=" if token.text == "\\in" else token.text)
         self.expect_end()
         points = [replace(p, bracket=POINT) for p in parts if isinstance(p, Listing)]
+        parts = [_as_point(part) for part in parts]
         if relations[:1] == ["\\colon"] and relations[1:] in _ARROWS and len(points) == 2:
             parts, relations = [Call(parts[0], (points[0],), self.since(start)), points[1]], ["="]
         return Chain(tuple(parts), tuple(relations), self.since(start))
@@ -265,6 +268,8 @@ class Reader:
         node = _scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
+        elif isinstance(node, Name) and node.head in FUNCTIONS and self.peek() in BEGINNINGS:
+            node = Call(node, (self.atom(),), self.since(start))
         elif isinstance(node, Name) and node.head in FUNCTION_NAMES and not self.ends_term():
             node = self._named_function(node, start)
         elif (applied := self.at_time(node)) is not node:
@@ -375,6 +380,12 @@ class Reader:
         head = Token("number", token.text[0], token.start, token.start + 1)
         tail = Token("number", token.text[1:], token.start + 1, token.end)
         self.tokens[self.position : self.position + 1] = [head, tail]
+
+
+def _as_point(part: Node) -> Node:
+    """A side of a formula; three or more things in parentheses are a column."""
+    several = isinstance(part, Listing) and part.bracket == "(" and len(part.items) > 2
+    return replace(part, bracket=POINT) if several else part
 
 
 def _is_partial(node: Node) -> bool:

@@ -188,7 +188,8 @@ def _split_list(tokens: list[Token]) -> list[tuple[Token, ...]]:
     depth = 0
     for position, token in enumerate(tokens):
         after = tokens[position + 1 : position + 2]
-        depth += (token.text in _OPEN | {"\\begin"}) - (token.text in _CLOSE | {"\\end"})
+        depth += token.text in _OPEN or token.text.startswith("\\begin{")
+        depth -= token.text in _CLOSE or token.text.startswith("\\end{")
         if depth == 0 and _is_word(token, parts[-1], after):
             parts += [[token], []]
         elif depth == 0 and token.text in _SEPARATORS and not _is_decimal(token, parts[-1], after):

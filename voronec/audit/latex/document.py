@@ -239,11 +239,13 @@ _NUMBER = re.compile(
     r"\\(?:l?eqno)\s*(?:\{?\(([^)]*)\)\}?|\\hbox\{\(([^)]*)\)\})|\\tag\*?\{([^}]*)\}"
 )
 _SYSTEM = re.compile(
-    r"(?:\\left\s*\\(?:\{|lbrace)|\\left\s*\.|\\\{)?\s*"
-    r"\\begin\{(cases|dcases|rcases|array|alignedat|aligned|matrix)\}(?:\[[tbc]\])?(?:\{[^{}]*\})?"
-    r"(?P<inside>(?:(?!\\begin\{).)*?)\\end\{\1\}\s*(?:\\right\s*(?:\.|\\\}|\\rbrace))?",
+    r"(?:(?P<brace>\\left\s*\\(?:\{|lbrace)|\\\{)|\\left\s*\.)?\s*"
+    r"\\begin\{(?P<name>cases|dcases|rcases|array|alignedat|aligned|matrix)\}"
+    r"(?:\[[tbc]\])?(?:\{[^{}]*\})?"
+    r"(?P<inside>(?:(?!\\begin\{).)*?)\\end\{(?P=name)\}\s*(?:\\right\s*(?:\.|\\\}|\\rbrace))?",
     re.DOTALL,
 )
+_CONDITION_MARK = re.compile(r"&(?=\s*(?!\\(?:text|mbox|mathrm|le|ge|ne)|[-=<>+&\s]|\\\\))")
 _SPELLINGS = (
     (r"\\begin\{(?:alignat|xalignat)(\*?)\}\{\d\}", r"\\begin{align\1}"),
     (r"\\end\{(?:alignat|xalignat)(\*?)\}", r"\\end{align\1}"),
@@ -277,20 +279,30 @@ def _readable(display: MarkedText) -> tuple[MarkedText, str]:
 
 
 def _open_systems(display: MarkedText) -> MarkedText:
-    """Equations in braces become lines; what follows a sign of equality is a value by cases, and
-    stays."""
+    """Equations in braces become lines; what follows a sign of equality is a value by cases, with
+    whatever brackets it is printed."""
     position = 0
     while match := _SYSTEM.search(display.text, position):
-        before = display.text[: match.start()].rstrip()
         lines = re.split(r"\\\\", match["inside"])
-        several = all("=" in line for line in lines if line.strip())
-        if before.endswith("=") or not several:
+        value = display.text[: match.start()].rstrip().endswith("=")
+        braced = match["brace"] is not None and match["name"] == "array"
+        if (value and not braced) or not (value or all("=" in x for x in lines if x.strip())):
             position = match.end()
             continue
         a, b = match.span("inside")
-        display = display.put(b, match.end(), "\\end{gathered}")
-        display = display.put(match.start(), a, "\\begin{gathered}")
+        name = "cases" if value else "gathered"
+        display = display.put(b, match.end(), f"\\end{{{name}}}")
+        if match["name"].endswith("cases"):
+            display = _with_conditions(display, a, b)
+        display = display.put(match.start(), a, f"\\begin{{{name}}}")
         position = match.start() + 1
+    return display
+
+
+def _with_conditions(display: MarkedText, start: int, end: int) -> MarkedText:
+    """What stands behind ``&`` in a line of ``cases``, and goes on with nothing, is a condition."""
+    for mark in reversed([*_CONDITION_MARK.finditer(display.text, start, end)]):
+        display = display.put(*mark.span(), r",\text{if }")
     return display
 
 

@@ -41,6 +41,10 @@ class Name:
     at: Place = _place()
 
 
+TRANSPOSED = (Name("T"), Name("\\top"))
+"""What stands above a matrix that is transposed."""
+
+
 @dataclass(frozen=True)
 class Dots:
     r"""``\dots`` in a list."""
@@ -162,6 +166,24 @@ class Listing:
 
     items: tuple[Node, ...]
     bracket: str
+    at: Place = _place()
+
+
+@dataclass(frozen=True)
+class Matrix:
+    r"""``\begin{pmatrix} a & b \\\\ c & d \end{pmatrix}``."""
+
+    rows: tuple[tuple[Node, ...], ...]
+    at: Place = _place()
+
+
+@dataclass(frozen=True)
+class Cases:
+    r"""``\begin{cases} a & x > 0 \\\\ b & x < 0 \end{cases}``: values with conditions.
+
+    The last one may have none."""
+
+    cases: tuple[tuple[Node, ...], ...]
     at: Place = _place()
 
 

@@ -45,6 +45,7 @@ from voronec.audit.latex.nodes import (
     Sum,
     Variation,
 )
+from voronec.audit.latex.tables import BEGINNINGS, read_table
 from voronec.audit.latex.tokens import (
     ACCENTS,
     ELEMENTARY,
@@ -319,6 +320,8 @@ def atom(reader: Reader, token: Token) -> Node:
         return _group(reader, token)
     if text == "|":
         return _size(reader, token)
+    if text in BEGINNINGS:
+        return read_table(reader, token)
     if text in _COMMANDS:
         return _COMMANDS[text](reader, token)
     if text in ELEMENTARY:
@@ -329,8 +332,6 @@ def atom(reader: Reader, token: Token) -> Node:
     if text in (")", "]", "}") and before != "{":  # braces around nothing bear an index
         what = f"something before '{text}' is missing"
         raise complain(reader.source, token.start, what, Unfamiliar)
-    if text == "\\begin":
-        text += reader.source[token.end :].partition("}")[0] + "}"
     raise complain(reader.source, token.start, f"'{text}' is not understood")
 
 
@@ -407,6 +408,8 @@ def _read_accent(reader: Reader, token: Token) -> Node:
     inner = reader.argument()
     if isinstance(inner, Dot):  # \bar{\dot U}: a name of its own
         inner = Name(f"\\dot{{{inner.body.head}}}", inner.body.sub, inner.body.sup)
+    if inner == Number("0"):
+        return inner
     if not isinstance(inner, Name):
         reader.fail(f"'{token.text}' must stand over a name")
     return replace(inner, head=f"{token.text}{{{inner.head}}}", at=reader.since(token.start))

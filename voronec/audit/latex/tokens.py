@@ -16,7 +16,7 @@ ACCENTS = frozenset(
 GREEK = frozenset(
     r"\alpha \beta \gamma \delta \epsilon \varepsilon \zeta \eta \theta \vartheta \iota \kappa"
     r" \lambda \mu \nu \xi \pi \rho \sigma \tau \phi \varphi \chi \psi \omega \Gamma \Delta"
-    r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell".split()
+    r" \Theta \Lambda \Xi \Pi \Sigma \Phi \Psi \Omega \wp \ell \top".split()
 )
 """Commands that are letters by themselves."""
 FUNCTION_NAMES = {name: name for name in "abs sgn atan2 floor ceiling Heaviside".split()}
@@ -35,7 +35,8 @@ _WORD = re.compile(
 _THOUSANDS = re.compile(r"[1-9]\d{0,2}\{,\}\d{3}")
 """A comma that may stand before decimals, or part thousands: the reader refuses such a number."""
 _SILENT = set(
-    r"\, \; \! \: \> \  ~ & \nonumber \notag \displaystyle \textstyle \limits \nolimits".split()
+    r"\, \; \! \: \> \  ~ & \nonumber \notag \displaystyle \textstyle \limits \nolimits"
+    r" \hline".split()
 ) | {"\\ "}
 _SAME = {
     **{f"\\{name}": f"\\{other}" for name, other in (
@@ -50,6 +51,12 @@ _SAME = {
 _CONSTANT = ("const", "constant")
 _SIZES = set(r"\big \Big \bigg \Bigg \bigl \bigr \Bigl \Bigr \biggl \biggr \left \right".split())
 _WITH_ARGUMENT = {"\\label", "\\tag"}
+_ENVIRONMENT = re.compile(r"\\(?:begin|end)\s*\{([a-zA-Z]+\*?)\}")
+_COLUMNS = re.compile(r"(?:\[[tbc]\])?\{[^{}]*\}")
+"""What stands behind the name of an array."""
+_STOPS = {",", ".", ";"}
+_SKIP = re.compile(r"\*?\s*\[-?[\d.]+\s*[a-z\\]+\]|\*")
+"""What may stand behind the end of a row."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,7 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
     """
     found: list[Token] = []
     size: int | None = None
+    depth = 0
     position, end = offset, len(source) if end is None else end
     while position < end:
         match = _WORD.match(source, position, end)
@@ -104,8 +112,22 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         if text in _SIZES:
             size = match.start()
             position += source.startswith(".", position)  # a bracket that is not printed
+        if depth and (text in ("&", "\\end") or text.startswith("\\\\")):
+            while found[-1].text in _STOPS:  # at the end of a cell
+                found.pop()
+        if depth and text == "&":
+            found.append(Token("sign", text, match.start(), position))
         if kind == "space" or text in _SILENT or text in _SIZES:
             continue
+        if text in ("\\begin", "\\end") and (
+            named := _ENVIRONMENT.match(source, match.start(), end)
+        ):
+            depth += 1 if text == "\\begin" else -1
+            text, position = f"{text}{{{named[1]}}}", named.end()
+            if text == "\\begin{array}" and (columns := _COLUMNS.match(source, position, end)):
+                position = columns.end()
+        elif text == "\\\\" and (skip := _SKIP.match(source, position, end)):
+            position = skip.end()
         if text in _WITH_ARGUMENT:
             position = _argument(source, position, end)[1]
             continue
@@ -121,8 +143,8 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         if kind == "number" and not _THOUSANDS.fullmatch(text):
             text = text.replace("{,}", ".")
         start, size = match.start() if size is None else size, None
-        named = kind == "command" and text[1:] in FUNCTION_NAMES
-        kind, text = ("name", FUNCTION_NAMES[text[1:]]) if named else (kind, _SAME.get(text, text))
+        function = FUNCTION_NAMES.get(text[1:]) if kind == "command" else None
+        kind, text = ("name", function) if function else (kind, _SAME.get(text, text))
         found.append(Token(kind, text, start, position))
     return found
 

@@ -1,0 +1,174 @@
+"""What the words around a formula restrict: cases that they name, reasons why it may fail."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from voronec.algebra.verdicts import prove_equal
+from voronec.audit.contents import moves, value_or_none, values_of
+from voronec.audit.curvature_letters import is_component
+from voronec.audit.display import Check
+from voronec.audit.latex.nodes import Chain, Dot, Name, Node
+from voronec.audit.letters import has_usual_words, names_in
+from voronec.audit.printed_claims import PrintedClaim
+from voronec.audit.record import FormulaRecord
+from voronec.audit.structure import names_constant
+from voronec.audit.study import Study, key_of
+from voronec.audit.verify import verify
+
+_CONDITIONS = re.compile(
+    r"\b(if|when|whenever|unless|provided|suppos\w*|assum\w*|absence"
+    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
+    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
+    r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
+    r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
+    r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
+    r"|free (?:body|motion)|holonomic case|substitutes? (?:the )?variables?|new variables?"
+    r"|(?:change|transformation) of (?:the )?variables?|by (?:the|a) substitution"
+    r"|wrong\w*|erroneous\w*|incorrect\w*|false|misprint\w*|instead of|in (?:\w+ )?(?:book|paper)"
+    r"|solution)\b",
+    re.IGNORECASE,
+)
+"""Words of a sentence which say that a formula in it need not hold always."""
+_ASSUMPTIONS = re.compile(
+    r"\b(?:let|take(?! the)|choose|put|set|setting|putting|consider|fix|impose|requir\w*)\b"
+    r"[\w\s:]{0,25}$"
+    r"|\b(?:with|for|where|at|on|as)\s*$",
+    re.IGNORECASE,
+)
+"""Words right before a formula that make an assumption of it."""
+_INTEGRALS = re.compile(r"\bintegrals?\b|conserv", re.IGNORECASE)
+_BEHIND = re.compile(r"\W*(?:for|if|when|provided|at|near|where)\b")
+"""Words right behind a formula that restrict it."""
+_LIMIT = re.compile(
+    r"\$\s*([^$=]+?)\s*\\(?:to|rightarrow)\s*\+?(-?\d+|-?\s*\\infty)(?![a-zA-Z])\s*\$"
+)
+r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
+_SMALL = sp.Symbol("small", positive=True)
+"""What vanishes where something is infinite."""
+_AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class SpecialCase:
+    """A case as its words say, and the dictionary under its conditions, which may hold what is
+    infinite."""
+
+    said: str
+    study: Study
+
+    def holds(self, chain: Chain) -> bool:
+        """Whether a formula is proved in this case."""
+        if any(value.has(_SMALL) for value in self.study.given.values()):
+            return value_or_none(_in_limit, chain, self.study) is True
+        outcome = value_or_none(verify, chain, Check(), self.study)
+        return outcome is not None and outcome.verdict.proved
+
+
+def _in_limit(chain: Chain, study: Study) -> bool:
+    """Whether two sides have no difference in the limit."""
+    along, given = study.motion.along, dict(study.given)
+    left, right = (along(value).xreplace(given) for value in values_of(chain.parts, study))
+    top, bottom = (part.xreplace({_SMALL: 0}) for part in sp.fraction(sp.cancel(left - right)))
+    return bool(prove_equal(top, 0).proved and prove_equal(bottom, 0).refuted)
+
+
+def special_cases(
+    claim: PrintedClaim, claims: Sequence[PrintedClaim], study: Study
+) -> list[SpecialCase]:
+    """The cases that the sentence of a formula names: conditions, each alone and all together."""
+    found: list[tuple[str, dict[Any, Any]]] = []
+    moving = study.motion.rates
+    words = claim.sentence
+    if _AT_REST.search(words):
+        found.append(("rest", dict.fromkeys(study.context.velocities, sp.S.Zero)))
+    for letter, value in _LIMIT.findall(words):
+        node = value_or_none(study.tree, letter)
+        symbol = node and study.table.get(study.key(node))
+        if isinstance(symbol, sp.Symbol):
+            far = (-1 if "-" in value else 1) / _SMALL
+            place = far if "infty" in value else sp.Integer(value)
+            found.append((f"${letter}\\to {value}$", {symbol: place}))
+    for other in claims:
+        beside = other.display.sentence == claim.display.sentence and other is not claim
+        equality = other.chain is not None and {*other.chain.relations} == {"="}
+        if not beside or not equality or SpecialCase("", study).holds(other.chain):
+            continue
+        values = value_or_none(values_of, other.chain.parts, study)
+        still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
+        if still and isinstance(values[0], sp.Symbol):
+            given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
+            found.append((f"${other.formula.printed}$", given))
+    if len(found) > 1:
+        together: dict[Any, Any] = {}
+        for _, given in found:
+            together |= given
+        found.append((" and ".join(said for said, _ in found), together))
+    constant = _has_constancy(claim)
+    return [
+        SpecialCase(said, replace(study, given=given))
+        for said, given in found
+        if not (constant and given.keys() & moving.keys())
+    ]
+
+
+def excuse(
+    claim: PrintedClaim, chain: Chain, study: Study, defined_at: Mapping[str, PrintedClaim]
+) -> FormulaRecord | None:
+    """What else a refuted formula may be than wrong, as a record; else None."""
+    printed = claim.formula.printed
+    parts = [part for part in chain.parts if not names_constant(part)]
+    about = _condition_on(parts, study, constant=len(parts) < len(chain.parts))
+    if about == "parameters":
+        known = [key_of(n) for n in names_in(tuple(parts)) if key_of(n) in defined_at]
+        for key in known[:1]:
+            said = f"'{key}' is defined otherwise in {defined_at[key].where}"
+            return FormulaRecord(printed, "convention", said)
+    if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
+        return FormulaRecord(printed, "definition", f"a condition on the {about}")
+    if any(is_component(name) for name in names_in(tuple(parts))):
+        said = "false with one sign and numbering of the curvature; which are meant?"
+        return FormulaRecord(printed, "not read", said)
+    values = value_or_none(values_of, parts, study) or ()
+    if any(value.has(sp.Piecewise) for value in values):
+        return FormulaRecord(printed, "not read", "false in general; it holds values by cases")
+    for part in parts:
+        if isinstance(part, Name) and not has_usual_words(part, claim.sentence):
+            return FormulaRecord(printed, "not read", f"{part.head} may be something else here")
+    words = claim.display.before.rpartition("\n\n")[2]
+    condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_without_commands(words))
+    condition = condition or _BEHIND.match(claim.display.after)
+    if condition is None:
+        return None
+    said = f"its sentence has '{condition[0].strip()}', a condition that is not read"
+    return FormulaRecord(printed, "not read", f"false in general; {said}")
+
+
+def _condition_on(parts: Sequence[Node], study: Study, constant: bool) -> str:
+    """Of what a formula may only say what value it has: parameters, the state, coordinates."""
+    motion = study.motion
+    values = value_or_none(values_of, parts, study) or []
+    symbols: list[set[Any]] = [getattr(value, "free_symbols", set()) for value in values]
+    states = {s for s in (*motion.rates, *motion.rates.values()) if s.is_Symbol}
+    if values and not any(held & states for held in symbols):
+        return "parameters"
+    still = constant or any(not held & states for held in symbols)
+    for part, held in zip(parts, symbols, strict=False):
+        moving = held & states and not held <= motion.accelerations.keys()
+        velocity_alone = isinstance(part, Dot) and len(held) == 1 and moving
+        if still and (velocity_alone or (isinstance(part, Name) and held & states)):
+            return "state"
+    return "" if any(moves(part, study) for part in parts) else "coordinates"
+
+
+def _has_constancy(claim: PrintedClaim) -> bool:
+    return claim.chain is not None and any(map(names_constant, claim.chain.parts))
+
+
+def _without_commands(words: str) -> str:
+    return re.sub(r"\\[a-zA-Z]+\*?|[{}$\\]", " ", words)

@@ -1,0 +1,152 @@
+"""What a paper introduces: definitions, wherever they stand, free constants, multipliers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from voronec.audit.comparisons import value_of
+from voronec.audit.contents import has_accelerations, is_linear, lone_name, solve_for, value_or_none
+from voronec.audit.display import Check
+from voronec.audit.latex.nodes import Chain, Name, Node
+from voronec.audit.lessons.judgement import GROUNDS
+from voronec.audit.letters import unknown_names
+from voronec.audit.meaning import SENSELESS
+from voronec.audit.printed_claims import PrintedClaim
+from voronec.audit.record import FormulaRecord
+from voronec.audit.study import Study, key_of
+from voronec.audit.verify import verify
+
+INTEGRAL = re.compile(
+    r"\bintegrals?\b|constant|conserv|preserv|invariant|first integral", re.IGNORECASE
+)
+"""Words that say of a formula that its last side is a constant."""
+_REACTIONS = re.compile(r"multiplier|reaction|constraint force|lagrange's equations", re.IGNORECASE)
+
+
+@dataclass
+class Introductions:
+    """What the formulas of a paper introduce.
+
+    ``study``: the dictionary, which grows by it.  ``records``: the verdicts on formulas that
+    introduce something, by their numbers.  ``defined_at``: what introduces a letter.
+    """
+
+    claims: Sequence[PrintedClaim]
+    study: Study
+    records: dict[int, FormulaRecord] = field(default_factory=dict)
+    defined_at: dict[str, PrintedClaim] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, claims: Sequence[PrintedClaim], study: Study) -> Introductions:
+        """What is introduced under a dictionary: definitions first, then multipliers."""
+        found = cls(claims, study)
+        found._define()
+        found._multipliers()
+        return found
+
+    def _define(self) -> None:
+        """Definitions wherever they stand; those that need others come after these."""
+        changed = True
+        while changed:
+            changed = False
+            for number, claim in enumerate(self.claims):
+                if claim.chain is None or number in self.records:
+                    continue
+                unknown = unknown_names(claim.chain, self.study)
+                if unknown and self._define_by(number, claim, unknown):
+                    changed = True
+
+    def _define_by(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
+        """Whether a formula is taken for a definition, or for an integral with its constant."""
+        chain = claim.chain
+        if chain is None or {*chain.relations} != {"="} or self.is_forced(unknown):
+            return False
+        parts = [(part, unknown_names(part, self.study)) for part in chain.parts]
+        known = [part for part, names in parts if not names]
+        lone = [part for part, _ in parts if lone_name(part) is not None and part not in known]
+        if len(unknown) == 1 and known and lone:
+            name, value = solve_for(lone[0], known[0])
+            if name is None:
+                return False
+            first = parts[0][0] is lone[0]
+            if not first and isinstance(known[0], Name) and not self._is_constant(known[0]):
+                return False  # v = v_0 says something of a state
+            if not first and self._is_constant(known[0]):
+                self.records[number] = FormulaRecord(
+                    claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
+                )
+            elif not first and (INTEGRAL.search(claim.sentence) or not isinstance(lone[0], Name)):
+                return False  # judged as an integral
+            else:
+                self.records[number] = FormulaRecord(
+                    claim.formula.printed, "definition", f"it introduces {unknown[0]}"
+                )
+            self.study = self.study.join({key_of(name): value})
+            self.defined_at[key_of(name)] = claim
+            return True
+        return False
+
+    def is_forced(self, unknown: Sequence[str]) -> bool:
+        """Whether letters stand for multipliers or reactions."""
+        return any(letter in self.forces for letter in unknown)
+
+    @cached_property
+    def forces(self) -> frozenset[str]:
+        """Letters that nothing explains, in equations with accelerations: lambda and mu, and what a
+        sentence on multipliers or reactions has."""
+        found: set[str] = set()
+        for claim in self.claims:
+            if claim.chain is None or not has_accelerations(claim.chain, self.study):
+                continue
+            said = _REACTIONS.search(claim.sentence)
+            for letter in unknown_names(claim.chain, self.study):
+                if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
+                    found.add(letter)
+        return frozenset(found)
+
+    def _is_constant(self, part: Node) -> bool:
+        """Whether a part keeps its value along every motion."""
+        chain = Chain((part, Name("const")), ("=",))
+        outcome = value_or_none(verify, chain, Check(), self.study)
+        return outcome is not None and outcome.verdict.proved
+
+    def _multipliers(self) -> None:
+        """The values of multipliers, each from the first equation that has it."""
+        symbols = {letter: sp.Dummy(letter) for letter in sorted(self.forces)}
+        if not symbols:
+            return
+        study = replace(self.study, names={**self.study.names, **symbols})
+        values: dict[Any, Any] = {}
+        for number, claim in enumerate(self.claims):
+            if claim.chain is None or number in self.records or len(claim.chain.parts) != 2:
+                continue
+            unknown = unknown_names(claim.chain, self.study)
+            if not unknown or not {*unknown} <= symbols.keys():
+                continue
+            try:
+                left, right = (
+                    study.motion.along(value_of(p, study, {})) for p in claim.chain.parts
+                )
+                gap = sp.expand((left - right).xreplace(values))
+            except SENSELESS:
+                continue
+            mine = [s for s in symbols.values() if gap.has(s)]
+            if not mine or not is_linear(gap, mine):
+                continue
+            slope = sp.diff(gap, mine[0])
+            value = -(gap - slope * mine[0]) / slope
+            values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()} | {mine[0]: value}
+            letter = next(k for k, s in symbols.items() if s == mine[0])
+            self.records[number] = FormulaRecord(
+                claim.formula.printed, "definition", f"it says what {letter} is"
+            )
+            self.defined_at[letter] = claim
+        solved = {k: values[s] for k, s in symbols.items() if s in values}
+        solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}
+        self.study = replace(self.study, names={**self.study.names, **solved})
