@@ -10,10 +10,10 @@ program, evaluated in doubles or in balls.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import flint
 import numpy as np
@@ -22,14 +22,14 @@ import sympy as sp
 
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.tape import as_ball
 from voronec.algebra.text import name_or_formula
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
+from voronec.dynamics.joint_function import JointFunction
 from voronec.equations.motions import Motions
-from voronec.equations.program import Block, Program, compile_program
-from voronec.equations.program.jacobian import joint_block
+from voronec.equations.program import Block, Program
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -111,42 +111,27 @@ class SteadyEquations:
         integrals = self.formulation.integrals.items()
         return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
 
-    @cached_property
-    def _arguments(self) -> tuple[Any, ...]:
-        """The constants that are not to be found."""
-        own = (*self.rates.parameters, *self.rates.inputs)
-        return tuple(p for p in own if p not in self.unknowns)
-
-    def _once(self, what: Any, make: Callable[[], Any]) -> Any:
-        """What does not depend on values is made once for all values."""
-        return self.memo.once((what, self.unknowns, self.held), make)
-
     @property
-    def _blocks(self) -> _Blocks:
-        blocks: _Blocks = self._once("blocks", self._write)
-        return blocks
+    def _joint(self) -> JointFunction:
+        """F without its targets; it is made once for all values."""
+        found: JointFunction = self.memo.once((self.unknowns, self.held), self._write)
+        return found
 
-    def _write(self) -> _Blocks:
+    def _write(self) -> JointFunction:
         derivative = self.rates.derivative
-        known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
-        fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
+        fresh = fresh_names([*self.symbols, *(n for n, _ in derivative.assignments)], "h")
         beside = [*self.formulation.relations, *(e for _, e in self.held)]
         more = share_subexpressions(beside, fresh, self.formulation.stages)
         rows = Block(
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
-        return _Blocks(rows, *joint_block(self.rates, rows, self.unknowns))
+        return JointFunction.of(self.rates.time, self.symbols[1:], rows, self.unknowns)
 
-    @cached_property
-    def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
-        function: Callable[[Any, Any, Any], list[Any]] = self._once("function", self._compile)
-        return function
-
-    def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
-        blank, block = Block((), (se.Integer(0),) * len(self.unknowns)), self._blocks.joint
-        names = tuple(f"entry {i}" for i in range(len(block.results)))
-        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
-        return compile_program(program, scalar=True)[1]
+    @property
+    def symbols(self) -> tuple[Any, ...]:
+        """The time, the states, the parameters and the inputs."""
+        rates = self.rates
+        return (rates.time, *rates.state, *rates.parameters, *rates.inputs)
 
     @cached_property
     def _recent(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
@@ -175,35 +160,17 @@ class SteadyEquations:
         return self.at(y)[1][: self.size, : self.size]
 
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
-        try:
-            found = np.array(self._function(0.0, y.tolist(), self._doubles), dtype=float)
-        except (ZeroDivisionError, ValueError, OverflowError, TypeError):
-            return np.full(m, np.nan), np.full((m, n), np.nan)
-        found[m - len(self.held) : m] -= self._target_doubles
-        slopes = np.zeros((m, n))
-        for place, slope in zip(self._blocks.places, found[m:], strict=True):
-            slopes[place] = slope
-        return found[:m], slopes
+        found, slopes = self._joint.at(y, self._doubles)
+        found[len(found) - len(self.held) :] -= self._target_doubles
+        return found, slopes
 
     @cached_property
     def _doubles(self) -> list[float]:
-        return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
-
-    def _run_in_balls(self, block: Block, y: Sequence[Any], bits: int) -> list[Any]:
-        """The results of a block."""
-        steps, ends = self._once(("tapes", block), lambda: _record(block))
-        with flint.ctx.workprec(bits):
-            known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
-            known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
-            for name, tape in steps:
-                known[name] = tape.run(known, _constant)[0]
-            found: list[Any] = ends.run(known, _constant)
-            return found
+        return self._joint.doubles(self.values)
 
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
-        found = self._run_in_balls(self._blocks.rows, y, bits)
+        found = self._joint.balls(y, self.values, bits)
         with flint.ctx.workprec(bits):
             for i, target in enumerate(self._targets, len(found) - len(self.held)):
                 found[i] -= as_ball(target)
@@ -211,35 +178,13 @@ class SteadyEquations:
 
     def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
-        rows, joint, places = self._blocks
-        slopes = flint.arb_mat(len(rows.results), len(self.unknowns))
-        found = self._run_in_balls(joint, y, bits)[len(rows.results) :]
-        for place, slope in zip(places, found, strict=True):
-            slopes[place] = slope
-        return slopes
-
-
-class _Blocks(NamedTuple):
-    """``rows`` gives F, ``joint`` F and behind it the slopes that are not zero; ``places`` says
-    where these stand in the Jacobian."""
-
-    rows: Block
-    joint: Block
-    places: tuple[tuple[int, int], ...]
+        return self._joint.slopes_in_balls(y, self.values, bits)
 
 
 def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
     """Whether a claimed integral holds these symbols alone."""
     function = right_of(integral)
     return bool(function.free_symbols <= {*symbols}) and not function.has(sp.Derivative)
-
-
-def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
-    return [(name, Tape([e])) for name, e in block.assignments], Tape(block.results)
-
-
-def _constant(c: Any) -> Any:
-    return c() if callable(c) else flint.arb(c)
 
 
 def constants_of(formulation: Formulation) -> tuple[Any, ...]:
