@@ -22,7 +22,6 @@ from voronec.dynamics.spectrum import characteristic, root_on_right
 from voronec.dynamics.steady_equations import SteadyEquations, as_symengine
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
-from voronec.motion.verify import is_proved
 
 BITS = 160
 """Bits of the balls: 48 digits."""
@@ -159,11 +158,8 @@ def _follow(
     n, m = equations.size, len(equations.formulation.relations)
     if any(i >= n for i in left):
         return False
-    known = {
-        name: (e, 0)
-        for name, e in equations.formulation.integrals.items()
-        if is_proved(motions.equations, name)
-    }
+    proved = equations.proved_integrals(motions.equations)
+    known = {name: (e, 0) for name, e in proved.items()}
     bare = replace(equations, held=())
     slopes = bare.fix(known).slopes_in_balls(box, BITS)
     count = m + len(known)

@@ -25,6 +25,7 @@ from voronec.declaration.system import System, require_system
 from voronec.dynamics.angles import are_angles
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.energy_casimir import proved_stable
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
 from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
@@ -273,6 +274,10 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
         witness = enclosed_on_right(motion.motions, motion.equations, motion.y, complex(values[-1]))
         return StabilityVerdict("unstable", witness is not None, count, witness or "")
     size = float(np.abs(values).max(initial=0.0))
+    if (np.abs(values.real) <= SMALL * size).all():  # else no integral is definite
+        witness = proved_stable(motion.motions, motion.equations, motion.y, motion.units)
+        if witness is not None:
+            return StabilityVerdict("stable", True, 0, witness)
     left = len(values) and bool((values.real < -SMALL * size).all())
     # what is held must not hide that an eigenvalue vanishes for this motion alone
     left = left and not replace(motion, equations=motion.equations.only_leaves()).is_singular

@@ -28,6 +28,7 @@ from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
 from voronec.dynamics.joint_function import JointFunction
+from voronec.dynamics.natural_integrals import LEAF, natural_integrals
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program
 from voronec.equations.program.straight import fresh_names, share_subexpressions
@@ -43,6 +44,7 @@ from voronec.motion.formulation import (
     restrict,
 )
 from voronec.motion.request import Namespace, number
+from voronec.motion.verify import is_proved
 
 RECENT = 64
 """Values at so many points are kept: tangents and slopes ask for them again."""
@@ -109,7 +111,23 @@ class SteadyEquations:
         """Integrals of the constraints: functions of the coordinates alone."""
         still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
         integrals = self.formulation.integrals.items()
-        return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
+        declared = self.system.integrals
+        return {n: e for n, e in integrals
+                if (_is_of(declared[n], still) if n in declared else n.startswith(LEAF))}
+
+    def proved_integrals(self, equations: VoronecEquations) -> dict[str, Any]:
+        """The integrals that are proved, on the formulation."""
+        found, natural = self.formulation.integrals, natural_integrals(equations)
+        return {n: e for n, e in found.items() if n in natural or is_proved(equations, n)}
+
+    def constants_of_motion(self, equations: VoronecEquations) -> dict[str, tuple[Any, Any]]:
+        """Relations, leaf functions and proved integrals, with their values where these are
+        known, else None."""
+        relations = enumerate(self.formulation.relations, 1)
+        found: dict[str, tuple[Any, Any]] = {f"relation {i}": (r, 0) for i, r in relations}
+        found |= {n: (e, self.targets[n]) for n, e in self.leaves.items() if n in self.targets}
+        proved = self.proved_integrals(equations)
+        return found | {n: (e, None) for n, e in proved.items() if n not in found}
 
     @property
     def _joint(self) -> JointFunction:
@@ -205,6 +223,7 @@ def _make(equations: VoronecEquations) -> Formulation:
     space = Namespace.of(equations)
     wanted = space.read_outputs(equations.system.velocities).terms
     integrals = {name: space.claims[name] for name in equations.system.integrals}
+    integrals |= natural_integrals(equations)
     formulation = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
     kept = needed_variables(formulation, dependence(formulation))
     still = constants(formulation)
