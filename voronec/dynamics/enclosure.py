@@ -57,10 +57,17 @@ def enclosed_on_right(
 def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
     """Balls that hold a steady motion, by proof; None where there is none.
 
-    Zeros that leave more equations than unknowns are enclosed like other values.
+    Zeros that leave more equations than unknowns are enclosed like other values: those that what
+    is held depends on most, then all.
     """
     zero = [i for i, x in enumerate(y) if x == 0]
-    tries = (_enclose(motions, equations, y, some) for some in (zero, []))
+    slopes = equations.at(y)[1]
+    held = [*range(len(slopes) - len(equations.held), len(slopes))]
+    bound = regular_block(slopes, held, [*range(len(y))])[1]
+    tries = (
+        _enclose(motions, equations, y, some)
+        for some in (zero, [i for i in zero if i not in bound], [])
+    )
     return next((box for box in tries if box is not None), None)
 
 
