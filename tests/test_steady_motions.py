@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -96,7 +97,7 @@ def body(name: str, moments: tuple[Any, ...], potential: Any = 0, **parts: Any) 
     phi, theta, psi = sp.symbols("phi theta psi")
     rotation = vo.kinematics.Rotation.euler("zxz", phi, theta, psi)
     rates, gamma = rotation.body_rates, tuple(rotation.matrix.row(2))
-    kinetic = sum(I * w**2 for I, w in zip(moments, rates, strict=True)) / 2
+    kinetic = sum(J * w**2 for J, w in zip(moments, rates, strict=True)) / 2
     return vo.System(
         name=name, fibration=vo.Fibration(base=(phi, theta, psi)),
         lagrangian=kinetic - (potential(*gamma) if potential else 0),
@@ -108,7 +109,7 @@ def body(name: str, moments: tuple[Any, ...], potential: Any = 0, **parts: Any) 
 @pytest.mark.parametrize("axis", [1, 2, 3])
 def test_a_free_body_is_proved_stable_about_its_least_and_its_largest_axis(axis: int) -> None:
     rates = sp.symbols("omega1:4")
-    squared = sum((I * w) ** 2 for I, w in zip((1, 2, 3), rates, strict=True))
+    squared = sum((J * w) ** 2 for J, w in zip((1, 2, 3), rates, strict=True))
     free = body("free-body", (1, 2, 3), integrals={"momentum squared": squared})
     (turn,) = vo.steady(free, at={w: int(k == axis) for k, w in enumerate(rates, 1)})
     assert (turn.verdict.word, turn.verdict.proved) == ("unstable" if axis == 2 else "stable", True)
@@ -118,8 +119,13 @@ def test_a_free_body_is_proved_stable_about_its_least_and_its_largest_axis(axis:
 @pytest.mark.parametrize(("spin", "word"), [("201/100", "stable"), ("199/100", "unstable")])
 def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word: str) -> None:
     top = body("top", (1, 1, 1), lambda _a, _b, gamma3: gamma3)
-    (sleeping,) = vo.steady(top, at={"gamma3": 1, "omega3": spin})
-    assert (sleeping.verdict.word, sleeping.verdict.proved) == (word, True)
+    # of Euler's angles alone it is the pole
+    angles = replace(top, frame=None, invariants={})
+    for system in (top, angles):
+        found = vo.steady(system, at={"gamma3": 1, "omega3": spin})
+        (sleeping,) = (m for m in found if m.point.get("gamma3") == 1)
+        assert (sleeping.verdict.word, sleeping.verdict.proved) == (word, True)
+        assert not sleeping.is_rest
     hanging = vo.steady(top, at={"gamma3": -1, "omega3": 0})[0]
     assert hanging.is_rest and hanging.verdict.word == "stable" and hanging.verdict.proved
 
@@ -157,8 +163,18 @@ def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     assert found[0].dimension >= 2 and found[0].verdict.word == "spectrally stable"
 
 
-def test_poles_of_coordinates_give_no_motions() -> None:
-    assert all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in vo.steady(SPHERICAL))
+def test_a_spherical_pendulum_hangs_and_stands_at_the_poles_of_its_coordinates() -> None:
+    cones = [m for m in vo.steady(SPHERICAL) if "alpha" in m.point]
+    assert cones and all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in cones)
+    poles = {m.point["n3"]: m for m in vo.steady(SPHERICAL) if "n3" in m.point}
+    assert {at: (m.kind, m.verdict.word) for at, m in poles.items()} == {
+        1: ("rest", "stable"), -1: ("rest", "unstable")
+    }  # fmt: skip
+    assert all(m.verdict.proved and m.point["n1"] == m.point["n2"] == 0 for m in poles.values())
+    assert poles[-1].spectrum == pytest.approx([-1, -1, 1, 1])
+
+
+def test_steady_cones_of_a_spherical_pendulum() -> None:
     for cone in vo.steady(SPHERICAL, at={"alpha": 1}):
         assert cone.point["phidot"] ** 2 == pytest.approx(1 / np.cos(1))
         frequency = np.sqrt((1 + 3 * np.cos(1) ** 2) / np.cos(1))
@@ -387,6 +403,7 @@ def test_commands_print_and_refuse(call: Call) -> None:
         ("steady", "falling-disc", "--at", "s=1", "--at", "p=1"),
         ("steady", "falling-disc", "--set", "mass=1"),
         ("steady", "sleigh-in-time"),
+        ("steady", "vertical-disc"),
         ("stability", "falling-disc", "--over", "p", "--between", "0:3"),
         ("stability", "falling-disc", "--over", "s", "--between", "3"),
     ):

@@ -90,9 +90,7 @@ class _Extremum:
             gradient[i] += self.multipliers[k] * slope
         block = Block(first.joint.assignments, (*gradient, *values))
         symbols = (*equations.symbols[1:], *self.multipliers)
-        return JointFunction.of(
-            equations.rates.time, symbols, block, (*state, *self.multipliers)
-        )
+        return JointFunction.of(equations.rates.time, symbols, block, (*state, *self.multipliers))
 
     @cached_property
     def values(self) -> Mapping[str, Any]:

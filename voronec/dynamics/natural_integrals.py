@@ -16,8 +16,7 @@ from voronec.errors import EngineLimit
 LEAF = "leaf function"
 """What names of leaf functions begin with."""
 SHORT = 100
-"""Constraints of more operations are not looked at for leaf functions: that takes up to a minute.
-"""
+"""Constraints of more operations are long: what is looked for in them takes up to a minute."""
 
 
 def natural_integrals(equations: VoronecEquations) -> dict[str, sp.Expr]:
@@ -56,8 +55,16 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
         found["energy"] = d.bridge.outward(energy)
     still_names = {*system.coordinates, *(p.symbol for p in system.parameters)}
     declared = [right_of(e) for e in system.integrals.values()]
-    size = operations([e for row in d.constraints.matrix for e in row])
-    if 0 < size <= SHORT and not any(e.free_symbols <= still_names for e in declared):
+    if (
+        system.constraints
+        and not is_long(equations)
+        and not any(e.free_symbols <= still_names for e in declared)
+    ):
         with suppress(EngineLimit):
             found |= {f"{LEAF} {i}": e for i, e in enumerate(equations.leaves, 1)}
     return {name: e for name, e in found.items() if name not in system.integrals}
+
+
+def is_long(equations: VoronecEquations) -> bool:
+    """Whether the constraints are long."""
+    return operations([e for row in equations.definition.constraints.matrix for e in row]) > SHORT

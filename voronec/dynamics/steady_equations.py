@@ -112,12 +112,16 @@ class SteadyEquations:
         still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
         integrals = self.formulation.integrals.items()
         declared = self.system.integrals
-        return {n: e for n, e in integrals
-                if (_is_of(declared[n], still) if n in declared else n.startswith(LEAF))}
+        return {
+            n: e
+            for n, e in integrals
+            if (_is_of(declared[n], still) if n in declared else n.startswith(LEAF))
+        }
 
     def proved_integrals(self, equations: VoronecEquations) -> dict[str, Any]:
-        """The integrals that are proved, on the formulation."""
-        found, natural = self.formulation.integrals, natural_integrals(equations)
+        """The integrals that are proved, on the formulation, but those that hold the time."""
+        natural, time = natural_integrals(equations), self.rates.time
+        found = {n: e for n, e in self.formulation.integrals.items() if time not in e.free_symbols}
         return {n: e for n, e in found.items() if n in natural or is_proved(equations, n)}
 
     def constants_of_motion(self, equations: VoronecEquations) -> dict[str, tuple[Any, Any]]:
@@ -239,7 +243,7 @@ def steady_equations(
     """The equations with the values of all parameters and inputs; what has none stays open, and
     ``start`` tells where leaf functions are read off.
 
-    ``DefinitionError`` where the system depends on the time.
+    ``DefinitionError`` where the system depends on the time, and where nothing changes.
     """
     formulation = steady_formulation(equations)
     program = Program.of(formulation.form)
@@ -248,6 +252,11 @@ def steady_equations(
         raise DefinitionError(
             f"system '{system.name}' depends on the time: it has no steady motions; make what "
             "moves a coordinate, or an input"
+        )
+    if not program.state:
+        raise DefinitionError(
+            f"system '{system.name}': its velocities are constant in every motion, so that all its "
+            "motions are steady"
         )
     if program.is_rough:
         raise DefinitionError(
