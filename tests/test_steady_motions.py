@@ -17,7 +17,7 @@ from command_line import Call, refused
 from scipy.linalg import qr
 
 import voronec as vo
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 
 SMALL = (-30, 30)
 
@@ -306,6 +306,29 @@ def test_families_are_found_exactly_with_their_critical_values() -> None:
     I13, I23, w1, w2 = sp.symbols("I13 I23 omega1 omega2")
     (family,) = suslov.families
     assert family.equations == (I13 * w1 + I23 * w2,) and family.dimension == 1
+    # it turns stably in one direction alone
+    assert [*family.ranges("omega1")] == [(-sp.oo, 0, 0), (0, sp.oo, 1)]
+
+
+def test_stability_is_told_by_ranges_with_exact_ends() -> None:
+    at = {"gamma3": 0, "q": 0}
+    found = vo.steady(vo.load("falling-disc"), at=at, starts=20, exact=True)
+    upright = next(f for f in found.families if sp.Symbol("gamma2") - 1 in f.equations)
+    critical = sp.sqrt(3) / 3
+    assert [*upright.ranges("s")] == [
+        (-sp.oo, -critical, 0), (-critical, critical, 1), (critical, sp.oo, 0)
+    ]  # fmt: skip
+    with pytest.raises(EngineLimit, match="holds s beside g"):
+        upright.ranges("g")
+    at = {"gamma1": 0, "gamma2": 0, "omega3": 1}
+    ball = vo.steady(vo.load("chaplygin-ball"), at=at, starts=20, exact=True).families[0]
+    assert [r.unstable for r in ball.ranges("I3")] == [0, 1, 0]  # between I1 and I2 it is unstable
+    values = {p.name: p.value for p in vo.load("chaplygin-ball").parameters}
+    assert [r.high for r in ball.ranges("I3")][:2] == [values["I1"], values["I2"]]
+    along = found[0].along("s", (0, 3), count=20, hold="q")
+    low, high = along.ranges
+    assert (low.begin, low.end, high.end) == (0, along.critical[0].value, 3)
+    assert [low.motion.verdict.word, high.motion.verdict.word] == ["unstable", "spectrally stable"]
 
 
 def routh_sphere() -> vo.System:
