@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from command_line import Call, refused
 from scipy.linalg import qr
 
 import voronec as vo
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 
 SMALL = (-30, 30)
 
@@ -57,9 +58,6 @@ def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> No
 def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
     ball = moving("chaplygin-ball", {"gamma2": 1, "omega2": 1})
     assert ball.verdict.word == "unstable" and ball.verdict.proved
-    # about the long axis
-    ball = moving("chaplygin-ball", {"gamma1": 1, "omega1": 1})
-    assert ball.verdict.word == "spectrally stable" and not ball.verdict.proved
     suslov = moving("suslov", {"omega2": -1})
     assert suslov.verdict.proved
     assert moving("suslov", {"omega2": 1}).verdict.word == "linearly attracting"
@@ -90,7 +88,61 @@ def test_whole_turns_make_no_further_motions_and_each_inverted_one_is_proved_uns
     found = vo.steady(DOUBLE)
     places = {(round(m.y[0] / np.pi, 9), round(m.y[1] / np.pi, 9)): m.verdict for m in found}
     assert {*places} == {(0, 0), (0, 1), (1, 0), (1, 1)} and len(found) == 4
-    assert all(verdict.proved == (at != (0, 0)) for at, verdict in places.items())
+    assert all(verdict.proved for verdict in places.values())
+    assert {at: v.word for at, v in places.items() if v.word == "stable"} == {(0, 0): "stable"}
+
+
+def body(name: str, moments: tuple[Any, ...], potential: Any = 0, **parts: Any) -> vo.System:
+    """A body about a fixed point, in Euler's angles; ``potential`` of the vertical in the body."""
+    phi, theta, psi = sp.symbols("phi theta psi")
+    rotation = vo.kinematics.Rotation.euler("zxz", phi, theta, psi)
+    rates, gamma = rotation.body_rates, tuple(rotation.matrix.row(2))
+    kinetic = sum(J * w**2 for J, w in zip(moments, rates, strict=True)) / 2
+    return vo.System(
+        name=name, fibration=vo.Fibration(base=(phi, theta, psi)),
+        lagrangian=kinetic - (potential(*gamma) if potential else 0),
+        frame=vo.Frame.quasi(dict(zip(sp.symbols("omega1:4"), rates, strict=True))),
+        invariants=dict(zip(("gamma1", "gamma2", "gamma3"), gamma, strict=True)), **parts,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_a_free_body_is_proved_stable_about_its_least_and_its_largest_axis(axis: int) -> None:
+    rates = sp.symbols("omega1:4")
+    squared = sum((J * w) ** 2 for J, w in zip((1, 2, 3), rates, strict=True))
+    free = body("free-body", (1, 2, 3), integrals={"momentum squared": squared})
+    (turn,) = vo.steady(free, at={w: int(k == axis) for k, w in enumerate(rates, 1)})
+    assert (turn.verdict.word, turn.verdict.proved) == ("unstable" if axis == 2 else "stable", True)
+
+
+# C^2 w^2 = 4 A m g l is 4 for these values
+@pytest.mark.parametrize(("spin", "word"), [("201/100", "stable"), ("199/100", "unstable")])
+def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word: str) -> None:
+    top = body("top", (1, 1, 1), lambda _a, _b, gamma3: gamma3)
+    # of Euler's angles alone it is the pole
+    angles = replace(top, frame=None, invariants={})
+    for system in (top, angles):
+        found = vo.steady(system, at={"gamma3": 1, "omega3": spin})
+        (sleeping,) = (m for m in found if m.point.get("gamma3") == 1)
+        assert (sleeping.verdict.word, sleeping.verdict.proved) == (word, True)
+        assert not sleeping.is_rest
+    hanging = vo.steady(top, at={"gamma3": -1, "omega3": 0})[0]
+    assert hanging.is_rest and hanging.verdict.word == "stable" and hanging.verdict.proved
+
+
+def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> None:
+    # the axes of the largest and of the least moment of a ball
+    for axis in (1, 3):
+        ball = moving("chaplygin-ball", {f"gamma{axis}": 1, f"omega{axis}": 1})
+        assert ball.verdict.word == "stable" and ball.verdict.proved
+        assert "momentum squared" in ball.verdict.witness
+    # a ball at rest drifts away from its place, and a disc has no integrals but its energy
+    resting = vo.steady(vo.load("chaplygin-ball"), at={"omega1": 0, "omega2": 0, "omega3": 0})
+    rolling = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 2})
+    for motion in (*resting, rolling):
+        assert motion.verdict.word == "spectrally stable" and not motion.verdict.proved
+    cone = vo.steady(SPHERICAL, at={"alpha": 1})[0]  # by the momentum of a cyclic coordinate
+    assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
 
 def test_instability_by_a_double_eigenvalue_is_proved() -> None:
@@ -111,8 +163,18 @@ def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     assert found[0].dimension >= 2 and found[0].verdict.word == "spectrally stable"
 
 
-def test_poles_of_coordinates_give_no_motions() -> None:
-    assert all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in vo.steady(SPHERICAL))
+def test_a_spherical_pendulum_hangs_and_stands_at_the_poles_of_its_coordinates() -> None:
+    cones = [m for m in vo.steady(SPHERICAL) if "alpha" in m.point]
+    assert cones and all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in cones)
+    poles = {m.point["n3"]: m for m in vo.steady(SPHERICAL) if "n3" in m.point}
+    assert {at: (m.kind, m.verdict.word) for at, m in poles.items()} == {
+        1: ("rest", "stable"), -1: ("rest", "unstable")
+    }  # fmt: skip
+    assert all(m.verdict.proved and m.point["n1"] == m.point["n2"] == 0 for m in poles.values())
+    assert poles[-1].spectrum == pytest.approx([-1, -1, 1, 1])
+
+
+def test_steady_cones_of_a_spherical_pendulum() -> None:
     for cone in vo.steady(SPHERICAL, at={"alpha": 1}):
         assert cone.point["phidot"] ** 2 == pytest.approx(1 / np.cos(1))
         frequency = np.sqrt((1 + 3 * np.cos(1) ** 2) / np.cos(1))
@@ -244,6 +306,29 @@ def test_families_are_found_exactly_with_their_critical_values() -> None:
     I13, I23, w1, w2 = sp.symbols("I13 I23 omega1 omega2")
     (family,) = suslov.families
     assert family.equations == (I13 * w1 + I23 * w2,) and family.dimension == 1
+    # it turns stably in one direction alone
+    assert [*family.ranges("omega1")] == [(-sp.oo, 0, 0), (0, sp.oo, 1)]
+
+
+def test_stability_is_told_by_ranges_with_exact_ends() -> None:
+    at = {"gamma3": 0, "q": 0}
+    found = vo.steady(vo.load("falling-disc"), at=at, starts=20, exact=True)
+    upright = next(f for f in found.families if sp.Symbol("gamma2") - 1 in f.equations)
+    critical = sp.sqrt(3) / 3
+    assert [*upright.ranges("s")] == [
+        (-sp.oo, -critical, 0), (-critical, critical, 1), (critical, sp.oo, 0)
+    ]  # fmt: skip
+    with pytest.raises(EngineLimit, match="holds s beside g"):
+        upright.ranges("g")
+    at = {"gamma1": 0, "gamma2": 0, "omega3": 1}
+    ball = vo.steady(vo.load("chaplygin-ball"), at=at, starts=20, exact=True).families[0]
+    assert [r.unstable for r in ball.ranges("I3")] == [0, 1, 0]  # between I1 and I2 it is unstable
+    values = {p.name: p.value for p in vo.load("chaplygin-ball").parameters}
+    assert [r.high for r in ball.ranges("I3")][:2] == [values["I1"], values["I2"]]
+    along = found[0].along("s", (0, 3), count=20, hold="q")
+    low, high = along.ranges
+    assert (low.begin, low.end, high.end) == (0, along.critical[0].value, 3)
+    assert [low.motion.verdict.word, high.motion.verdict.word] == ["unstable", "spectrally stable"]
 
 
 def routh_sphere() -> vo.System:
@@ -341,6 +426,7 @@ def test_commands_print_and_refuse(call: Call) -> None:
         ("steady", "falling-disc", "--at", "s=1", "--at", "p=1"),
         ("steady", "falling-disc", "--set", "mass=1"),
         ("steady", "sleigh-in-time"),
+        ("steady", "vertical-disc"),
         ("stability", "falling-disc", "--over", "p", "--between", "0:3"),
         ("stability", "falling-disc", "--over", "s", "--between", "3"),
     ):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,15 +51,9 @@ def _write(found: SteadyFamily, workshop: Path) -> None:
 def _lines(found: SteadyFamily) -> list[str]:
     held = f"; {', '.join(found.held)} held" if found.held else ""
     lines = [f"{found.system.name}: {len(found)} steady motions over {found.over}{held}"]
-    pairs = zip(found.values.tolist(), found.unstable.tolist(), strict=True)
-    for count, group in groupby(pairs, key=lambda pair: pair[1]):
-        span = [value for value, _ in group]
-        words = (
-            f"{count} eigenvalue{'s' * (count > 1)} on the right"
-            if count
-            else "no eigenvalue on the right"
-        )
-        lines.append(f"  {span[0]:.6g} to {span[-1]:.6g}: {words}")
+    for part in found.ranges:
+        count = part.unstable or "no"
+        lines.append(f"  {part}; {count} eigenvalue{'s' * (part.unstable > 1)} on the right")
     lines += [f"critical: {found.over} = {critical}" for critical in found.critical]
     lines += [f"fold: {found.over} = {value:.13g}" for value in found.folds]
     lines += [f"branch point: {found.over} = {value:.13g}" for value in found.branch_points]

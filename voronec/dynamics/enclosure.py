@@ -22,7 +22,6 @@ from voronec.dynamics.spectrum import characteristic, root_on_right
 from voronec.dynamics.steady_equations import SteadyEquations, as_symengine
 from voronec.equations.motions import Motions
 from voronec.errors import EngineLimit
-from voronec.motion.verify import is_proved
 
 BITS = 160
 """Bits of the balls: 48 digits."""
@@ -58,10 +57,17 @@ def enclosed_on_right(
 def enclose(motions: Motions, equations: SteadyEquations, y: np.ndarray) -> list[Any] | None:
     """Balls that hold a steady motion, by proof; None where there is none.
 
-    Zeros that leave more equations than unknowns are enclosed like other values.
+    Zeros that leave more equations than unknowns are enclosed like other values: those that what
+    is held depends on most, then all.
     """
     zero = [i for i, x in enumerate(y) if x == 0]
-    tries = (_enclose(motions, equations, y, some) for some in (zero, []))
+    slopes = equations.at(y)[1]
+    held = [*range(len(slopes) - len(equations.held), len(slopes))]
+    bound = regular_block(slopes, held, [*range(len(y))])[1]
+    tries = (
+        _enclose(motions, equations, y, some)
+        for some in (zero, [i for i in zero if i not in bound], [])
+    )
     return next((box for box in tries if box is not None), None)
 
 
@@ -159,11 +165,8 @@ def _follow(
     n, m = equations.size, len(equations.formulation.relations)
     if any(i >= n for i in left):
         return False
-    known = {
-        name: (e, 0)
-        for name, e in equations.formulation.integrals.items()
-        if is_proved(motions.equations, name)
-    }
+    proved = equations.proved_integrals(motions.equations)
+    known = {name: (e, 0) for name, e in proved.items()}
     bare = replace(equations, held=())
     slopes = bare.fix(known).slopes_in_balls(box, BITS)
     count = m + len(known)

@@ -16,9 +16,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, pairwise
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import flint
 import symengine as se
@@ -27,7 +27,9 @@ import sympy as sp
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.groebner import groebner_basis, reduce_by
 from voronec.algebra.normal import quotient
+from voronec.algebra.symbols import plain_name
 from voronec.algebra.terms import atoms
+from voronec.algebra.text import as_expression
 from voronec.dynamics.spectrum import hurwitz_matrix
 from voronec.dynamics.steady_equations import SteadyEquations
 from voronec.equations.program.straight import without_stages
@@ -103,6 +105,7 @@ class ExactFamily:
     letters: _Letters
     basis: tuple[Any, ...]
     matrices: tuple[sp.Matrix, sp.Matrix] | None
+    values: Mapping[str, Any]
 
     def __repr__(self) -> str:
         text = ", ".join(map(str, self.equations))
@@ -164,6 +167,88 @@ class ExactFamily:
             if len(factor.monoms()) > 1:
                 yield self.letters.write(factor)
 
+    def ranges(self, over: Any) -> tuple[ExactRange, ...]:
+        """Between which exact values of a variable or a parameter how many eigenvalues lie right
+        of the imaginary axis, all other parameters having their values.
+
+        ``EngineLimit`` where the characteristic polynomial holds other variables, or is none.
+        """
+        unknown, x = sp.Symbol("lambda"), sp.Symbol(plain_name(over))
+        values = {sp.Symbol(n): exact_value(v) for n, v in self.values.items() if v is not None}
+        values.pop(x, None)
+        whole = sp.Add(
+            *[c.xreplace(values) * unknown**k for k, c in enumerate(self.characteristic)]
+        )
+        for e in (e.xreplace(values) for e in self.equations):
+            for y in sorted(e.free_symbols - {x}, key=str):
+                if e.diff(y).is_number:  # the family tells it
+                    whole = whole.xreplace({y: sp.expand(y - e / e.diff(y))})
+        whole = sp.fraction(sp.together(whole))[0]
+        others = whole.free_symbols - {unknown, x}
+        if others or not whole.is_polynomial(unknown, x):
+            raise EngineLimit(
+                f"the characteristic polynomial holds {', '.join(sorted(map(str, others)))} beside "
+                f"{x}; hold these: at={{name: value}}"
+                if others
+                else "it is no polynomial"
+            )
+        poly = sp.Poly(whole, unknown, x, domain="QQ")
+        c = sp.Poly(poly.sqf_part().as_expr(), unknown).all_coeffs()[::-1]
+        edges = {r for e in (c[0], c[-1], *_crossings(c)) if e.has(x)
+                 for r in sp.Poly(e, x).real_roots()}  # fmt: skip
+        ends = [-sp.oo, *sorted(edges), sp.oo]
+        found = [
+            ExactRange(a, b, _on_right(poly.eval(x, _inside(a, b)))) for a, b in pairwise(ends)
+        ]
+        for i in reversed(range(1, len(found))):  # what changes nothing is no end
+            if found[i - 1].unstable == found[i].unstable:
+                found[i - 1 : i + 1] = [found[i - 1]._replace(high=found[i].high)]
+        return tuple(found)
+
+
+class ExactRange(NamedTuple):
+    """Between two values, exact or infinite, so many eigenvalues lie on the right."""
+
+    low: sp.Expr
+    high: sp.Expr
+    unstable: int
+
+
+def exact_value(value: Any) -> sp.Expr:
+    """A value as it was given, of a float the fraction that it is."""
+    found = as_expression(value)
+    return sp.Rational(found) if found.is_Float else found
+
+
+def _crossings(c: Sequence[sp.Expr]) -> Iterator[sp.Expr]:
+    """What vanishes where pairs cross the imaginary axis, or meet on it; ``c`` are coefficients
+    from the constant on."""
+    if any(e != 0 for e in c[1::2]):
+        yield sp.Matrix(hurwitz_matrix(c)).det() if len(c) > 2 else sp.Integer(1)
+        return
+    squares = sp.Poly([*reversed(c[::2])], sp.Symbol("lambda"))
+    yield squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
+
+
+def _inside(low: sp.Expr, high: sp.Expr) -> sp.Rational:
+    """A fraction between two values."""
+    if low == -sp.oo:
+        return sp.Rational(0) if high == sp.oo else sp.floor(high) - 1
+    if high == sp.oo:
+        return sp.ceiling(low) + 1
+    digits = 3 + max(0, int(-sp.log(high - low, 10).evalf()))
+    return sp.Rational(str(((low + high) / 2).evalf(digits + 15).round(digits)))
+
+
+def _on_right(poly: sp.Poly) -> int:
+    """How many roots of a polynomial lie right of the imaginary axis, enclosed by flint."""
+    numbers = [int(c) for c in poly.clear_denoms()[1].all_coeffs()[::-1]]
+    if any(numbers[1::2]):
+        roots = flint.fmpz_poly(numbers).complex_roots()
+        return sum(count for root, count in roots if root.real > 0)
+    roots = flint.fmpz_poly(numbers[::2]).complex_roots()  # squares
+    return sum(count for root, count in roots if not (root.imag == 0 and root.real <= 0))
+
 
 def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
     """All families of steady motions for general parameters, those of most dimensions first.
@@ -204,7 +289,7 @@ def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
     name = equations.system.name
     return tuple(
         ExactFamily(name, tuple(sp.factor(letters.write(p)) for p in basis), dimension, letters,
-                    tuple(basis), matrices)
+                    tuple(basis), matrices, equations.values)
         for basis, dimension in kept
     )  # fmt: skip
 

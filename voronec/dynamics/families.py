@@ -79,6 +79,20 @@ class Critical:
         return f"{mp.nstr(self.exact, 15)}: {WAYS[self.way]}, {self.below} -> {self.above} unstable"
 
 
+@dataclass(frozen=True, eq=False)
+class StabilityRange:
+    """A part of a family, from one value of its quantity to another, all along which as many
+    eigenvalues lie on the right; a ``motion`` in its middle has the ``verdict``."""
+
+    begin: float
+    end: float
+    unstable: int
+    motion: Any
+
+    def __str__(self) -> str:
+        return f"{self.begin:.6g} to {self.end:.6g}: {self.motion.verdict}"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadyFamily:
     """A family of steady motions along which the quantity ``over`` changes, and those ``held`` are
@@ -176,14 +190,37 @@ class SteadyFamily:
     @cached_property
     def critical(self) -> tuple[Critical, ...]:
         """The critical values of the quantity, in the order of the curve, to 30 digits."""
+        return tuple(c for c in self._changes.values() if c is not None)
+
+    @cached_property
+    def ranges(self) -> tuple[StabilityRange, ...]:
+        """The parts of the curve between changes of ``unstable``, in its order, each with the
+        verdict on a motion in its middle."""
+        edges = [0, *(k + 1 for k in self._changes), len(self)]
+        ends = [self.values[0], *(c and c.value for c in self._changes.values()), self.values[-1]]
         found = []
-        for k in np.flatnonzero(np.diff(self.unstable)):
+        for (i, j), (begin, end) in zip(pairwise(edges), pairwise(ends), strict=True):
+            begin, end = (float(self.values[k]) if x is None else float(x)
+                          for x, k in ((begin, i), (end, j - 1)))  # fmt: skip
+            middle = (i + j) // 2
+            equations = self.curve.with_value(float(self.values[middle])).equations
+            motion = replace(self.motion, equations=equations, y=self.points[middle],
+                             units=self.curve.units)  # fmt: skip
+            found.append(StabilityRange(begin, end, int(self.unstable[middle]), motion))
+        return tuple(found)
+
+    @cached_property
+    def _changes(self) -> dict[int, Critical | None]:
+        """Behind which points the number of eigenvalues on the right changes, and the critical
+        value there, where it is located."""
+        found = dict[int, Critical | None]()
+        for k in map(int, np.flatnonzero(np.diff(self.unstable))):
             # a point may lie on the critical value itself: then its neighbours tell
             ends = ((i, j) for i, j in ((k, k + 1), (k - 1, k + 1), (k, k + 2))
                     if i >= 0 and j < len(self))  # fmt: skip
-            tries = (self._critical(int(k), self.points[[i, j]]) for i, j in ends)
-            found.append(next((c for c in tries if c is not None), None))
-        return tuple(c for c in found if c is not None)
+            tries = (self._critical(k, self.points[[i, j]]) for i, j in ends)
+            found[k] = next((c for c in tries if c is not None), None)
+        return found
 
     def _critical(self, k: int, between: np.ndarray) -> Critical | None:
         """The critical value between the points k and k + 1, looked for between two of the curve
@@ -297,6 +334,11 @@ class SteadyFamily:
                 {"value": c.value, "digits": mp.nstr(c.exact, 30), "way": WAYS[c.way],
                  "below": c.below, "above": c.above}
                 for c in self.critical
+            ],
+            "ranges": [
+                {"begin": r.begin, "end": r.end, "unstable": r.unstable,
+                 "stability": str(r.motion.verdict)}
+                for r in self.ranges
             ],
             "ends": list(self.ends),
         }  # fmt: skip

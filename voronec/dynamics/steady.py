@@ -8,6 +8,7 @@ rank tells of how many dimensions the family is to which each belongs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -25,9 +26,11 @@ from voronec.declaration.system import System, require_system
 from voronec.dynamics.angles import are_angles
 from voronec.dynamics.charts import SteadyChart, chart
 from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.energy_casimir import proved_stable
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
 from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
+from voronec.dynamics.poles import regular_at_poles
 from voronec.dynamics.spectrum import (
     SMALL,
     Deflation,
@@ -40,10 +43,11 @@ from voronec.dynamics.steady_equations import (
     read_quantity,
     require_values,
     steady_equations,
+    steady_formulation,
 )
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
-from voronec.errors import DefinitionError, EngineLimit, did_you_mean
+from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 from voronec.motion.inputs import drive
 from voronec.motion.request import number
 
@@ -138,8 +142,11 @@ class SteadyMotion:
     @property
     def is_rest(self) -> bool:
         """Whether nothing moves at all."""
-        moving = {str(v) for v in self.equations.formulation.velocities}
-        return all(x == 0 for name, x in self.point.items() if name in moving)
+        equations = self.equations
+        still = {n: equations.values[n] for n in map(str, constants_of(equations.formulation))}
+        moving = {plain_name(v) for v in equations.formulation.system.velocities}
+        moving |= {str(v) for v in equations.formulation.velocities}
+        return all(x == 0 for n, x in {**still, **self.point}.items() if n in moving)
 
     @property
     def kind(self) -> str:
@@ -273,6 +280,10 @@ def judge(motion: SteadyMotion) -> StabilityVerdict:
         witness = enclosed_on_right(motion.motions, motion.equations, motion.y, complex(values[-1]))
         return StabilityVerdict("unstable", witness is not None, count, witness or "")
     size = float(np.abs(values).max(initial=0.0))
+    if (np.abs(values.real) <= SMALL * size).all():  # else no integral is definite
+        witness = proved_stable(motion.motions, motion.equations, motion.y, motion.units)
+        if witness is not None:
+            return StabilityVerdict("stable", True, 0, witness)
     left = len(values) and bool((values.real < -SMALL * size).all())
     # what is held must not hide that an eigenvalue vanishes for this motion alone
     left = left and not replace(motion, equations=motion.equations.only_leaves()).is_singular
@@ -341,30 +352,51 @@ def steady(
     """
     own = system.system if isinstance(system, VoronecEquations) else require_system(system)
     equations = drive(system, unknown=True).equations
-    motions, said = Motions.of(equations), _scene_values(own)
     given = {f"{plain_name(u)}dot": 0 for u in own.inputs if _holds_rate(equations, u)}
     given |= {plain_name(k): x for k, x in (parameters or {}).items()}
-    found = steady_equations(equations, given, said)
-    formulation = found.formulation
-    _require_constants(found, given)
     unknown = [plain_name(k) for k in several(free, "free", "name")]
+    said, values = _scene_values(own), dict(at or {})
+    wrong, found, home = [], list[SteadyMotions](), None
+    try:
+        home = _with_values(equations, said, given, unknown, values)
+        found.append(_search(Motions.of(equations), home, said, starts, seed))
+    except DefinitionError as error:
+        wrong.append(error)
+    regular = regular_at_poles(equations, steady_formulation(equations).positions)
+    for polar in () if regular is None else regular[1]:
+        there = {**values, **dict.fromkeys(polar, 0)}
+        with suppress(VoronecError):
+            beside = _with_values(regular[0], {}, given, unknown, there)
+            found.append(_search(Motions.of(regular[0]), beside, {}, starts, seed))
+    if not found:
+        raise wrong[0]
+    all_found = replace(found[0], system=own, motions=tuple(m for each in found for m in each))
+    if not exact or home is None:
+        return all_found
+    try:
+        return replace(all_found, families=exact_families(home))
+    except EngineLimit as limit:
+        return replace(all_found, limit=str(limit))
+
+
+def _with_values(
+    equations: VoronecEquations, said: Mapping[str, Any], given: Mapping[str, Any],
+    unknown: Sequence[str], at: Mapping[Any, Any],
+) -> SteadyEquations:  # fmt: skip
+    """The equations with the values of parameters, and of what is held."""
+    found = steady_equations(equations, given, said)
+    _require_constants(found, given)
     _require_constants(found, unknown)
     found = found.with_unknowns(unknown)
     require_values(found)
     held = {}
-    for key, value in (at or {}).items():
-        name, expr = read_quantity(found, motions, key)
+    for key, value in at.items():
+        name, expr = read_quantity(found, Motions.of(equations), key)
         held[name] = (expr, expression(value, f"the value of '{name}'"))
-    frozen = {n: x for n, x in found.values.items() if n in map(str, constants_of(formulation))}
+    still = {*map(str, constants_of(found.formulation))}
+    frozen = {n: x for n, x in found.values.items() if n in still}
     frozen |= {n: held.pop(n)[1] for n in frozen.keys() & held.keys()}
-    found = replace(found, values={**found.values, **frozen}).fix(held)
-    motion = _search(motions, found, said, starts, seed)
-    if not exact:
-        return motion
-    try:
-        return replace(motion, families=exact_families(found))
-    except EngineLimit as limit:
-        return replace(motion, limit=str(limit))
+    return replace(found, values={**found.values, **frozen}).fix(held)
 
 
 def _holds_rate(equations: VoronecEquations, u: Any) -> bool:

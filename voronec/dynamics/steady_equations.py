@@ -10,10 +10,10 @@ program, evaluated in doubles or in balls.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import flint
 import numpy as np
@@ -22,14 +22,15 @@ import sympy as sp
 
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.tape import Tape, as_ball
+from voronec.algebra.tape import as_ball
 from voronec.algebra.text import name_or_formula
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
 from voronec.declaration.system import System
+from voronec.dynamics.joint_function import JointFunction
+from voronec.dynamics.natural_integrals import LEAF, natural_integrals
 from voronec.equations.motions import Motions
-from voronec.equations.program import Block, Program, compile_program
-from voronec.equations.program.jacobian import joint_block
+from voronec.equations.program import Block, Program
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -43,6 +44,7 @@ from voronec.motion.formulation import (
     restrict,
 )
 from voronec.motion.request import Namespace, number
+from voronec.motion.verify import is_proved
 
 RECENT = 64
 """Values at so many points are kept: tangents and slopes ask for them again."""
@@ -109,44 +111,49 @@ class SteadyEquations:
         """Integrals of the constraints: functions of the coordinates alone."""
         still = {*self.system.coordinates, *(p.symbol for p in self.system.parameters)}
         integrals = self.formulation.integrals.items()
-        return {n: e for n, e in integrals if _is_of(self.system.integrals[n], still)}
+        declared = self.system.integrals
+        return {
+            n: e
+            for n, e in integrals
+            if (_is_of(declared[n], still) if n in declared else n.startswith(LEAF))
+        }
 
-    @cached_property
-    def _arguments(self) -> tuple[Any, ...]:
-        """The constants that are not to be found."""
-        own = (*self.rates.parameters, *self.rates.inputs)
-        return tuple(p for p in own if p not in self.unknowns)
+    def proved_integrals(self, equations: VoronecEquations) -> dict[str, Any]:
+        """The integrals that are proved, on the formulation, but those that hold the time."""
+        natural, time = natural_integrals(equations), self.rates.time
+        found = {n: e for n, e in self.formulation.integrals.items() if time not in e.free_symbols}
+        return {n: e for n, e in found.items() if n in natural or is_proved(equations, n)}
 
-    def _once(self, what: Any, make: Callable[[], Any]) -> Any:
-        """What does not depend on values is made once for all values."""
-        return self.memo.once((what, self.unknowns, self.held), make)
+    def constants_of_motion(self, equations: VoronecEquations) -> dict[str, tuple[Any, Any]]:
+        """Relations, leaf functions and proved integrals, with their values where these are
+        known, else None."""
+        relations = enumerate(self.formulation.relations, 1)
+        found: dict[str, tuple[Any, Any]] = {f"relation {i}": (r, 0) for i, r in relations}
+        found |= {n: (e, self.targets[n]) for n, e in self.leaves.items() if n in self.targets}
+        proved = self.proved_integrals(equations)
+        return found | {n: (e, None) for n, e in proved.items() if n not in found}
 
     @property
-    def _blocks(self) -> _Blocks:
-        blocks: _Blocks = self._once("blocks", self._write)
-        return blocks
+    def _joint(self) -> JointFunction:
+        """F without its targets; it is made once for all values."""
+        found: JointFunction = self.memo.once((self.unknowns, self.held), self._write)
+        return found
 
-    def _write(self) -> _Blocks:
+    def _write(self) -> JointFunction:
         derivative = self.rates.derivative
-        known = [self.rates.time, *self.rates.state, *self.rates.parameters, *self.rates.inputs]
-        fresh = fresh_names([*known, *(n for n, _ in derivative.assignments)], "h")
+        fresh = fresh_names([*self.symbols, *(n for n, _ in derivative.assignments)], "h")
         beside = [*self.formulation.relations, *(e for _, e in self.held)]
         more = share_subexpressions(beside, fresh, self.formulation.stages)
         rows = Block(
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
-        return _Blocks(rows, *joint_block(self.rates, rows, self.unknowns))
+        return JointFunction.of(self.rates.time, self.symbols[1:], rows, self.unknowns)
 
-    @cached_property
-    def _function(self) -> Callable[[Any, Any, Any], list[Any]]:
-        function: Callable[[Any, Any, Any], list[Any]] = self._once("function", self._compile)
-        return function
-
-    def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
-        blank, block = Block((), (se.Integer(0),) * len(self.unknowns)), self._blocks.joint
-        names = tuple(f"entry {i}" for i in range(len(block.results)))
-        program = Program(self.rates.time, self.unknowns, (), self._arguments, blank, names, block)
-        return compile_program(program, scalar=True)[1]
+    @property
+    def symbols(self) -> tuple[Any, ...]:
+        """The time, the states, the parameters and the inputs."""
+        rates = self.rates
+        return (rates.time, *rates.state, *rates.parameters, *rates.inputs)
 
     @cached_property
     def _recent(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
@@ -175,35 +182,17 @@ class SteadyEquations:
         return self.at(y)[1][: self.size, : self.size]
 
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        n, m = len(self.unknowns), self.size + len(self.formulation.relations) + len(self.held)
-        try:
-            found = np.array(self._function(0.0, y.tolist(), self._doubles), dtype=float)
-        except (ZeroDivisionError, ValueError, OverflowError, TypeError):
-            return np.full(m, np.nan), np.full((m, n), np.nan)
-        found[m - len(self.held) : m] -= self._target_doubles
-        slopes = np.zeros((m, n))
-        for place, slope in zip(self._blocks.places, found[m:], strict=True):
-            slopes[place] = slope
-        return found[:m], slopes
+        found, slopes = self._joint.at(y, self._doubles)
+        found[len(found) - len(self.held) :] -= self._target_doubles
+        return found, slopes
 
     @cached_property
     def _doubles(self) -> list[float]:
-        return [number(self.values[str(p)], f"parameter '{p}'") for p in self._arguments]
-
-    def _run_in_balls(self, block: Block, y: Sequence[Any], bits: int) -> list[Any]:
-        """The results of a block."""
-        steps, ends = self._once(("tapes", block), lambda: _record(block))
-        with flint.ctx.workprec(bits):
-            known = {p: as_ball(self.values[str(p)]) for p in self._arguments}
-            known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
-            for name, tape in steps:
-                known[name] = tape.run(known, _constant)[0]
-            found: list[Any] = ends.run(known, _constant)
-            return found
+        return self._joint.doubles(self.values)
 
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
-        found = self._run_in_balls(self._blocks.rows, y, bits)
+        found = self._joint.balls(y, self.values, bits)
         with flint.ctx.workprec(bits):
             for i, target in enumerate(self._targets, len(found) - len(self.held)):
                 found[i] -= as_ball(target)
@@ -211,35 +200,13 @@ class SteadyEquations:
 
     def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
-        rows, joint, places = self._blocks
-        slopes = flint.arb_mat(len(rows.results), len(self.unknowns))
-        found = self._run_in_balls(joint, y, bits)[len(rows.results) :]
-        for place, slope in zip(places, found, strict=True):
-            slopes[place] = slope
-        return slopes
-
-
-class _Blocks(NamedTuple):
-    """``rows`` gives F, ``joint`` F and behind it the slopes that are not zero; ``places`` says
-    where these stand in the Jacobian."""
-
-    rows: Block
-    joint: Block
-    places: tuple[tuple[int, int], ...]
+        return self._joint.slopes_in_balls(y, self.values, bits)
 
 
 def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
     """Whether a claimed integral holds these symbols alone."""
     function = right_of(integral)
     return bool(function.free_symbols <= {*symbols}) and not function.has(sp.Derivative)
-
-
-def _record(block: Block) -> tuple[list[tuple[Any, Tape]], Tape]:
-    return [(name, Tape([e])) for name, e in block.assignments], Tape(block.results)
-
-
-def _constant(c: Any) -> Any:
-    return c() if callable(c) else flint.arb(c)
 
 
 def constants_of(formulation: Formulation) -> tuple[Any, ...]:
@@ -260,6 +227,7 @@ def _make(equations: VoronecEquations) -> Formulation:
     space = Namespace.of(equations)
     wanted = space.read_outputs(equations.system.velocities).terms
     integrals = {name: space.claims[name] for name in equations.system.integrals}
+    integrals |= natural_integrals(equations)
     formulation = SmallestModels.of(Motions.of(equations), wanted, integrals).general.full
     kept = needed_variables(formulation, dependence(formulation))
     still = constants(formulation)
@@ -275,7 +243,7 @@ def steady_equations(
     """The equations with the values of all parameters and inputs; what has none stays open, and
     ``start`` tells where leaf functions are read off.
 
-    ``DefinitionError`` where the system depends on the time.
+    ``DefinitionError`` where the system depends on the time, and where nothing changes.
     """
     formulation = steady_formulation(equations)
     program = Program.of(formulation.form)
@@ -284,6 +252,11 @@ def steady_equations(
         raise DefinitionError(
             f"system '{system.name}' depends on the time: it has no steady motions; make what "
             "moves a coordinate, or an input"
+        )
+    if not program.state:
+        raise DefinitionError(
+            f"system '{system.name}': its velocities are constant in every motion, so that all its "
+            "motions are steady"
         )
     if program.is_rough:
         raise DefinitionError(
