@@ -159,7 +159,7 @@ def exclude_rational_integrals(
         n: f for n, f in claims.items() if decide_zero(field.derivative(f), field.hypotheses).proved
     }
     flow = RationalFlow(field)
-    letters = _Letters.of(field, flow, list(known.values()), momenta)
+    letters = _Letters.of(field, flow, known, momenta)
     _require_memory(len(letters.names), degree)
     exponents = letters.monomials(degree)
     rank = explained = 0
@@ -178,7 +178,7 @@ def exclude_rational_integrals(
         degree=degree,
         letters=letters.names,
         at=values,
-        known=tuple(known),
+        known=tuple(letters.known),
         monomials=len(exponents),
         rank=rank,
         explained=explained,
@@ -426,12 +426,12 @@ class _Letters:
     flow: RationalFlow
     names: tuple[str, ...]
     functions: _Polynomials
-    known: tuple[_Known, ...]
+    known: dict[str, _Known]
     leading: tuple[tuple[int, ...], ...]
 
     @classmethod
     def of(
-        cls, field: VectorField, flow: RationalFlow, known: Sequence[Any], momenta: bool
+        cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
     ) -> _Letters:
         ring, moving = flow.ring, [*field.velocities]
         still = [g for g in ring.meaning if g not in moving]
@@ -447,21 +447,27 @@ class _Letters:
         below = [ring.field.denominator(f.den) for f in fractions]
         read = _Polynomials.of(len(ring.meaning), [*(f.num for f in fractions), *below])
         order = [*still, *moving]
-        integrals = [quotient(f.xreplace(solved), field.relations) for f in known]
+        integrals = {n: quotient(f.xreplace(solved), field.relations) for n, f in known.items()}
         relations = [*field.relations, *(c**2 + s**2 - 1 for c, s in ring.pairs.values())]
-        table = _in_letters(order, [e for pair in integrals for e in pair], field)
-        pairs = zip(table[::2], table[1::2], strict=True)
-        found = [
-            _Known(_Polynomials.of(len(order), pair), max(int(f.total_degree()) for f in pair))
-            for pair in pairs
-        ]
-        leading = _leading(_in_letters(order, relations, field), len(order))
-        return cls(flow, tuple(names), read, tuple(found), leading)
+        found = {}
+        for name, pair in integrals.items():
+            polynomials = _in_letters(order, pair)
+            if polynomials is not None:
+                degree = max(int(f.total_degree()) for f in polynomials)
+                found[name] = _Known(_Polynomials.of(len(order), polynomials), degree)
+        bound = _in_letters(order, relations)
+        if bound is None:
+            raise EngineLimit("the relations are no polynomials in the letters of the rank test")
+        return cls(flow, tuple(names), read, found, _leading(bound))
 
     def primes(self) -> list[int]:
         """Primes that divide no denominator."""
         found = []
-        programs = [self.flow.polynomials, self.functions, *(k.polynomials for k in self.known)]
+        programs = [
+            self.flow.polynomials,
+            self.functions,
+            *(k.polynomials for k in self.known.values()),
+        ]
         for p in PRIMES:
             try:
                 for program in programs:
@@ -529,11 +535,11 @@ class _Letters:
         """How many multiples of the known integrals on a level, of degrees up to the bound, are
         independent functions: their rank at random states."""
         totals = exponents.sum(axis=1)
-        factors = [exponents[totals <= degree - known.degree] for known in self.known]
+        factors = [exponents[totals <= degree - known.degree] for known in self.known.values()]
         count = sum(map(len, factors)) + SURPLUS
         letters = self.values(self.flow.points(count, p, rng), p)
         columns: list[Array] = []
-        for known, rows in zip(self.known, factors, strict=True):
+        for known, rows in zip(self.known.values(), factors, strict=True):
             above, below = known.polynomials.values(letters, p)
             level = above[0] * pow(int(below[0]), -1, p) % p if below[0] else 0
             vanishing = (above - level * below) % p
@@ -542,21 +548,27 @@ class _Letters:
         return int(flint.nmod_mat(len(columns), count, entries, p).rank()) if columns else 0
 
 
-def _in_letters(order: Sequence[Any], exprs: Sequence[Any], field: VectorField) -> list[Any]:
-    """Polynomials in the letters, given as expressions in their symbols."""
+def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
+    """Expressions as polynomials in the letters; None where they hold anything else."""
     symbols = [se.Symbol(f"letter {i}") for i in range(len(order))]
+    renamed = dict(zip(order, symbols, strict=True))
     context = flint.fmpq_mpoly_ctx.get([f"x{i}" for i in range(len(order))], "degrevlex")
-    ring = Ring([e.xreplace(dict(zip(order, symbols, strict=True))) for e in exprs] + symbols)
-    place = [ring.index(x) for x in symbols]
+    ring = Ring([*(e.xreplace(renamed) for e in exprs), *symbols])
+    places = [ring.index(x) for x in symbols]
     found = []
     for e in exprs:
-        poly = ring.fraction(e.xreplace(dict(zip(order, symbols, strict=True)))).num
-        terms = {tuple(int(m[i]) for i in place): c for m, c in poly.to_dict().items()}
+        element, terms = ring.fraction(e.xreplace(renamed)), {}
+        for monomial, c in element.num.to_dict().items():
+            terms[tuple(int(monomial[i]) for i in places)] = c
+            if sum(map(int, monomial)) > sum(int(monomial[i]) for i in places):
+                return None
+        if element.den:
+            return None
         found.append(context.from_dict(terms))
     return found
 
 
-def _leading(relations: Sequence[Any], size: int) -> tuple[tuple[int, ...], ...]:
+def _leading(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
     """The leading monomials of a Groebner basis, by total degree first."""
     if not relations:
         return ()
