@@ -194,10 +194,12 @@ def search_reducing_multipliers(
     count = len(field.velocities)
     if count > 1:
         weight = _volume_of_momenta(motions)
-        ansatz = _Ansatz.of(field, factors, 0, velocities=False, weight=weight, scale=count - 1)
+        ansatz = _Ansatz.of(
+            field, factors, 0, velocities=False, weight=weight, scale=count - 1, base=_base(motions)
+        )
         solved, excluded = ansatz.solve(np.random.default_rng(seed))
     else:  # with one velocity all are, or none is
-        ansatz, excluded = _Ansatz(field, (), (), None, 1), False
+        ansatz, excluded = _Ansatz(field, (), (), None, 1, 0), False
         solved = se.Integer(1)
     found = None
     if solved is not None:
@@ -236,15 +238,17 @@ def _result(
     return DensitySearch(name, kind, factors, found, excluded, perf_counter() - begin)
 
 
+def _base(motions: Motions) -> int:
+    """How many positions are those of the base: all, where relations bind them."""
+    field, own = motions.on_coordinates, motions.equations.definition
+    return len(field.positions) if own.group is not None or field.relations else own.base
+
+
 def _volume_of_momenta(motions: Motions) -> Any:
     """By what the volume of coordinates and velocities is multiplied to be that of coordinates and
     momenta: det(mass)/det[h | grad R] det(grad R grad R^T), h the frame, R the relations."""
-    field, own = motions.on_coordinates, motions.equations.definition
-    if motions.equations.has_coordinate_frame:
-        places = range(own.base)
-        relations: tuple[Any, ...] = ()
-    else:
-        places, relations = range(len(field.positions)), field.independent_relations
+    field = motions.on_coordinates
+    relations, places = field.independent_relations, range(_base(motions))
     if len(places) != len(field.velocities) + len(relations):
         raise EngineLimit("the velocities are no frame on the space of the base")
     slopes = [[r.diff(field.positions[i]) for i in places] for r in relations]
@@ -255,19 +259,20 @@ def _volume_of_momenta(motions: Motions) -> Any:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A density rho^scale weight, with log rho = sum a_i log(factor_i) + sum c_k term_k, on a
-    field."""
+    """A density rho^scale weight, with log rho = sum a_i log(factor_i) + sum c_k term_k, in the
+    first ``base`` positions of a field and its velocities."""
 
     field: VectorField
     factors: tuple[Any, ...]
     terms: tuple[Any, ...]
     weight: Any
     scale: int
+    base: int
 
     @classmethod
     def of(
         cls, field: VectorField, given: Sequence[Any], exponent: int, velocities: bool,
-        weight: Any = None, scale: int = 1,
+        weight: Any = None, scale: int = 1, base: int | None = None,
     ) -> _Ansatz:  # fmt: skip
         """Factors that the equations hold, the shortest first, and monomials of an exponent."""
         if any(field.time in e.free_symbols for e in field.entries):  # the time is a coordinate
@@ -275,7 +280,8 @@ class _Ansatz:
                 field, positions=(*field.positions, field.time), time=se.Symbol("no time"),
                 rates=(*field.rates, se.Integer(1)),
             )  # fmt: skip
-        moving = {*field.variables} if velocities else {*field.positions}
+        base = len(field.positions) if base is None else base
+        moving = {*field.positions[:base], *(field.velocities if velocities else ())}
         own = [field.read(as_expression(f)) for f in given]
         held = [*own, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
@@ -283,7 +289,7 @@ class _Ansatz:
         degrees = range(1, exponent + 1)
         free = field.variables
         terms = [se.Mul(*m) for d in degrees for m in combinations_with_replacement(free, d)]
-        return cls(field, tuple(factors), tuple(terms), weight, scale)
+        return cls(field, tuple(factors), tuple(terms), weight, scale, base)
 
     def solve(self, rng: Any) -> tuple[Any, bool]:
         """The density, None where there is none; and whether it is proved that there is none."""
@@ -331,7 +337,7 @@ class _Ansatz:
             columns = (columns - mass[:, k] * values.motion[still + k] % p) % p
         matrix = values.known[still + moving : entries].reshape(moving, moving, values.points)
         solved, _ = solve_each(matrix, columns, p)
-        total = sum((slopes[i, i] for i in range(still)), np.zeros(values.points, dtype=np.int64))
+        total = sum((slopes[i, i] for i in range(self.base)), np.zeros(values.points, dtype=np.int64))
         total = total + sum(solved[i, i] for i in range(moving))
         count = len(field.independent_relations)
         if not count:
