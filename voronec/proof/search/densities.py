@@ -29,7 +29,6 @@ import sympy as sp
 from voronec.algebra.arguments import accepts
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.matrices import determinant
-from voronec.algebra.normal import shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import operations
@@ -47,9 +46,9 @@ from voronec.errors import EngineLimit
 from voronec.proof.claims import specialise
 from voronec.proof.hamiltonian_form import decide_multiplier
 from voronec.proof.measures import decide_measure
-from voronec.proof.search.lifting import Monomial, RationalEntry, rational_functions
-from voronec.proof.search.probe import Probe, Values, solve_each
-from voronec.proof.search.residues import Array, fraction_of, free_columns
+from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
+from voronec.proof.search.residues import Array, free_columns
 from voronec.proof.search.search import parameter_values
 
 FACTORS = 60
@@ -58,8 +57,6 @@ TERMS = 400
 """Polynomials with more terms are not taken apart."""
 SPARE = 12
 """Points beyond the number of unknowns."""
-SETTINGS = 64
-"""Settings of the parameters that are drawn at a time."""
 
 
 @dataclass(frozen=True)
@@ -207,8 +204,6 @@ def search_reducing_multipliers(
         verdict = decide_multiplier(motions, multiplier).verdict
         if not verdict.refuted:
             found = FoundDensity(multiplier, (), verdict)
-        else:  # the density is unique, and it alone could give one
-            excluded = True
     return _result(motions, "reducing multiplier", ansatz, found, excluded, begin)
 
 
@@ -292,19 +287,26 @@ class _Ansatz:
         return cls(field, tuple(factors), tuple(terms), weight, scale, base)
 
     def solve(self, rng: Any) -> tuple[Any, bool]:
-        """The density, None where there is none; and whether it is proved that there is none."""
+        """The density, None where there is none; and whether it is proved that there is no
+        other."""
         probe = self._probe()
         count = len(self.factors) + len(self.terms) + SPARE
         values = probe.one(count, rng)
         table = self._table(values)
         _, pivots = free_columns(table, values.p)
         last = table.shape[1] - 1
+        sure = len(pivots) == last + (last in pivots)
         if last in pivots:
-            return None, len(pivots) == last + 1
-        powers = self._lift(probe, pivots, rng)
+            return None, sure
+
+        def vector(values: Values) -> Array | None:
+            echelon, found = free_columns(self._table(values)[:, [*pivots, -1]], values.p)
+            return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
+
+        powers = lift_vector(vector, len(pivots), probe, rng)
         chosen = [*self.factors, *self.terms]
         used = [(chosen[i], a) for i, a in zip(pivots, powers, strict=True) if a != 0]
-        return self._written(used), False
+        return self._written(used), sure
 
     def _probe(self) -> Probe:
         field = self.field
@@ -325,69 +327,24 @@ class _Ansatz:
 
     def _divergence(self, values: Values) -> Array:
         """div X - tr C at every point, from the slopes of the equations."""
-        field, p, slopes = self.field, values.p, values.known_slopes
-        still, moving = len(field.positions), len(field.velocities)
-        size = len(field.variables)
-        force = slopes[still : still + moving, still:]
-        entries = still + moving + moving**2
-        shape = (moving, moving, size, values.points)
-        mass = slopes[still + moving : entries].reshape(shape)[:, :, still:]
-        columns = force.copy()
-        for k in range(moving):
-            columns = (columns - mass[:, k] * values.motion[still + k] % p) % p
-        matrix = values.known[still + moving : entries].reshape(moving, moving, values.points)
-        solved, _ = solve_each(matrix, columns, p)
-        total = sum((slopes[i, i] for i in range(self.base)), np.zeros(values.points, dtype=np.int64))
-        total = total + sum(solved[i, i] for i in range(moving))
+        field, p = self.field, values.p
+        still, size = len(field.positions), len(field.variables)
+        slopes = motion_slopes(field, values)
+        total = sum(slopes[i, i] for i in (*range(self.base), *range(still, size)))
         count = len(field.independent_relations)
         if not count:
             return total
+        entries = len(field.entries)
         gradient = values.known[entries:].reshape(count, still, values.points)
-        bent = slopes[entries:].reshape(count, still, size, values.points)[:, :, :still]
+        bent = values.known_slopes[entries:].reshape(count, still, size, values.points)
         drift = np.zeros((count, still, values.points), dtype=np.int64)
         for x in range(still):
             pushed = gradient[:, x, None] * slopes[x, :still] % p
-            drift = (drift + bent[:, x] * values.motion[x] + pushed) % p
+            drift = (drift + bent[:, x, :still] * values.motion[x] + pushed) % p
         _, chosen = free_columns(gradient[:, :, 0], p)
         turned, right = gradient[:, chosen].swapaxes(0, 1), drift[:, chosen].swapaxes(0, 1)
         solved, _ = solve_each(turned, right, p)
         return total - sum(solved[i, i] for i in range(count))
-
-    def _lift(self, probe: Probe, pivots: list[int], rng: Any) -> list[Any]:
-        """The coefficients at the pivots as functions of the parameters, in the engine's
-        symbols."""
-        count = len(pivots) + SPARE
-
-        def sample(settings: Array, p: int) -> Array:
-            columns = []
-            for start in range(0, len(settings), SETTINGS):
-                for values in probe.at(settings[start : start + SETTINGS], count, p, rng):
-                    if values is None:
-                        raise EngineLimit("the ansatz has no value at some parameters")
-                    table = self._table(values)[:, [*pivots, -1]]
-                    echelon, found = free_columns(table, p)
-                    if found != [*range(len(pivots))]:
-                        raise EngineLimit("a density modulo a prime is none for all parameters")
-                    columns.append(-echelon[:, -1] % p)
-            return np.array(columns, dtype=np.int64).reshape(len(settings), len(pivots)).T
-
-        size = len(probe.constants)
-        p = probe.primes[0]
-        first = sample(probe.settings(2, p, rng), p)
-        if (first[:, 0] == first[:, 1]).all():  # numbers
-            numbers = [fraction_of(int(r), p) for r in first[:, 0]]
-            if all(n is not None for n in numbers):
-                return [se.Integer(n[0]) / n[1] for n in numbers if n is not None]
-        quotients = rational_functions(sample, size, rng, probe.primes)
-        return [self._quotient(q, probe.constants) for q in quotients]
-
-    @staticmethod
-    def _quotient(entry: RationalEntry, constants: Sequence[Any]) -> Any:
-        def written(terms: dict[Monomial, Any]) -> Any:
-            powers = {m: se.Mul(*[x**e for x, e in zip(constants, m, strict=True)]) for m in terms}
-            return se.Add(*[se.Integer(int(c.p)) / int(c.q) * powers[m] for m, c in terms.items()])
-
-        return shortest([written(entry.numerator) / written(entry.denominator)])[0]
 
     def _written(self, used: Sequence[tuple[Any, Any]]) -> Any:
         """The density; factors under roots are positive at some state."""

@@ -457,6 +457,20 @@ def solve_each(matrix: Array, columns: Array, p: int) -> tuple[Array, Array]:
     return rows[:, size:], regular
 
 
+def motion_slopes(field: VectorField, values: Values) -> Array:
+    """The slopes of the motion, (variable, by variable, point): the known functions of the values
+    begin with the entries of the field."""
+    p, still, moving = values.p, len(field.positions), len(field.velocities)
+    rates, rest = values.known_slopes[:still], values.known_slopes[still:]
+    columns, end = rest[:moving], moving + moving**2
+    mass = rest[moving:end].reshape(moving, moving, *rest.shape[1:])
+    for k in range(moving):
+        columns = (columns - mass[:, k] * values.motion[still + k] % p) % p
+    matrix = values.known[still + moving : still + end].reshape(moving, moving, values.points)
+    solved, _ = solve_each(matrix, columns, p)
+    return np.concatenate([rates, solved])
+
+
 def _degree(poly: Any, generators: set[int]) -> int:
     """The degree of a polynomial in some of its generators."""
     terms = sparse_terms(poly)
