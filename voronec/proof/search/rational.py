@@ -334,8 +334,17 @@ class RationalFlow:
             *(r for *_, r in ring.field.rules),
         ]
         slopes = [f.derivative(i) for f in bound for i in range(len(ring.meaning))]
+        self.bound = _Polynomials.of(len(ring.meaning), bound)
         self._slopes = _Polynomials.of(len(ring.meaning), slopes)
         self._rank = len(field.independent_relations) + len(ring.field.rules)
+
+    def residuals(self, states: Array, slopes: Array, p: int) -> Array:
+        """L(x) x' - R(x) and the relations, at states with given slopes: zero on motions."""
+        value, count = self.polynomials.values(states, p), len(self.places)
+        total = -value[count:]
+        row, column = np.array(self.places).T
+        np.add.at(total, row, value[:count] * slopes[column] % p)
+        return np.concatenate([total % p, self.bound.values(states, p)])
 
     def points(self, count: int, p: int, rng: Any) -> Array:
         """Random states modulo p where the relations hold, (generator, point)."""
