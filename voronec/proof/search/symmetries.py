@@ -7,16 +7,13 @@ R = 0.  Solved at random points modulo a prime, it gives all of them for generic
 A signed permutation A of the variables is a symmetry where X(A x) = A X(x), and a reversor where
 X(A x) = -A X(x).  All are tried at a random point modulo a prime, at random parameters.
 
-Gauge momenta are integrals p(xi), linear in the velocities, of which xi is a field of directions
-that the constraints allow and that lies along the orbits of a group of symmetries [Fasso2008].
-
 Whatever is found is proved by the exact algebra from the accelerations, which are not used to find
 it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from math import factorial, prod
@@ -167,18 +164,30 @@ def _affine_fields(field: VectorField, rng: Any) -> Iterator[SymmetryField]:
     """A basis of the affine fields with [X, Y] = c X."""
     slopes = [r.diff(q) for r in field.relations for q in field.positions]
     probe, size = Probe(field, field.variables, [*field.entries, *slopes]), len(field.variables)
-    values = probe.one(size + 1 + SPARE, rng)
-    vectors, free = kernel(_commutator_table(field, values), values.p)
+
+    def table(values: Values) -> Array:
+        return _commutator_table(field, values)
+
+    for entries in lift_kernel(table, size + 1 + SPARE, probe, rng):
+        yield _proved_field(field, entries)
+
+
+def lift_kernel(
+    table: Callable[[Values], Array], points: int, probe: Probe, rng: Any
+) -> Iterator[dict[int, Any]]:
+    """The vectors that a table of values of a probe takes to zero, by their entries: each is 1 at
+    one place, and the others are functions of the parameters."""
+    values = probe.one(points, rng)
+    vectors, free = kernel(table(values), values.p)
     for vector, place in zip(vectors, free, strict=True):
         support = [int(i) for i in np.flatnonzero(vector) if i != place]
 
         def solve(values: Values, support: Sequence[int] = support, place: int = place) -> Any:
-            found, last = kernel(_commutator_table(field, values)[:, [*support, place]], values.p)
+            found, last = kernel(table(values)[:, [*support, place]], values.p)
             return found[0][:-1] if last == [len(support)] else None
 
         weights = lift_vector(solve, len(support), probe, rng) if support else []
-        entries = {place: se.Integer(1), **dict(zip(support, weights, strict=True))}
-        yield _proved_field(field, entries)
+        yield {place: se.Integer(1), **dict(zip(support, weights, strict=True))}
 
 
 def _commutator_table(field: VectorField, values: Values) -> Array:
