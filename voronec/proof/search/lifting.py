@@ -21,6 +21,7 @@ from typing import Any, Self
 
 import flint
 import numpy as np
+import symengine as se
 
 from voronec.algebra.factors import write_polynomial
 from voronec.algebra.normal import shortest
@@ -278,6 +279,38 @@ def coefficients(
     shifts = weights[candidate.free][None, :] - weights
     whole = [normalization.undone(q, shift, count) for q, shift in zip(found, shifts, strict=True)]
     return _polynomial(whole, probe.constants)
+
+
+def lift_vector(
+    vector: Callable[[Values], Array | None], size: int, probe: Probe, rng: Any
+) -> list[Any]:
+    """Functions of the parameters, in the engine's symbols, of which ``vector`` finds the values
+    from those of a probe at some setting; None where it finds none."""
+
+    def sample(settings: Array, p: int) -> Array:
+        columns = []
+        for start in range(0, len(settings), BATCH):
+            for values in probe.at(settings[start : start + BATCH], size + SPARE, p, rng):
+                found = None if values is None else vector(values)
+                if found is None:
+                    raise EngineLimit("what was found modulo a prime does not hold in general")
+                columns.append(found)
+        return np.array(columns, dtype=np.int64).reshape(len(settings), size).T
+
+    p = probe.primes[0]
+    first = sample(probe.settings(2, p, rng), p)
+    numbers = [fraction_of(int(r), p) for r in first[:, 0]]
+    if (first[:, 0] == first[:, 1]).all() and None not in numbers:
+        return [se.Integer(n[0]) / n[1] for n in numbers if n is not None]
+    found = rational_functions(sample, len(probe.constants), rng, probe.primes)
+    return shortest([_expression(q, probe.constants) for q in found])
+
+
+def _expression(quotient: RationalEntry, constants: Sequence[Any]) -> Any:
+    context = flint.fmpq_mpoly_ctx.get([f"a{i}" for i in range(len(constants))] or ["a"], "lex")
+    parts = (_poly(terms, context) for terms in (quotient.numerator, quotient.denominator))
+    above, below = (write_polynomial(part, constants) for part in parts)
+    return above / below
 
 
 def _sample_coefficients(

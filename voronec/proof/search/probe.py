@@ -416,17 +416,8 @@ class Probe:
         rates = drawn[first : first + len(self.field.rates)]
         rest = drawn[first + len(self.field.rates) :]
         force, mass = rest[:n], rest[n:].reshape(n, n, *drawn.shape[1:])
-        rows = np.concatenate([mass, force[:, None]], axis=1) % p
-        regular = np.ones(drawn.shape[1:], dtype=bool)
-        for i in range(n):
-            for j in range(i + 1, n):  # a row that is not zero there comes up
-                rows[i] = np.where(rows[i, i] == 0, (rows[i] + rows[j]) % p, rows[i])
-            regular &= rows[i, i] != 0
-            rows[i] = rows[i] * inverse(rows[i, i], p) % p
-            for j in range(n):
-                if j != i:
-                    rows[j] = (rows[j] - rows[j, i] * rows[i]) % p
-        return np.concatenate([rates, rows[:, n]]), np.asarray(regular.all(axis=1))
+        solved, regular = solve_each(mass, force[:, None], p)
+        return np.concatenate([rates, solved[:, 0]]), np.asarray(regular.all(axis=1))
 
     def _values(self, drawn: Array, motion: Array, parameters: Array, p: int) -> Values:
         width = len(self.field.variables)
@@ -448,6 +439,36 @@ class Probe:
             relation_slopes=slopes[b:],
             motion=motion,
         )
+
+
+def solve_each(matrix: Array, columns: Array, p: int) -> tuple[Array, Array]:
+    """matrix^-1 columns at every point, and where that exists; points stand in the last axes."""
+    size = len(matrix)
+    rows = np.concatenate([matrix, columns], axis=1) % p
+    regular = np.ones(rows.shape[2:], dtype=bool)
+    for i in range(size):
+        for j in range(i + 1, size):  # a row that is not zero there comes up
+            rows[i] = np.where(rows[i, i] == 0, (rows[i] + rows[j]) % p, rows[i])
+        regular &= rows[i, i] != 0
+        rows[i] = rows[i] * inverse(rows[i, i], p) % p
+        for j in range(size):
+            if j != i:
+                rows[j] = (rows[j] - rows[j, i] * rows[i]) % p
+    return rows[:, size:], regular
+
+
+def motion_slopes(field: VectorField, values: Values) -> Array:
+    """The slopes of the motion, (variable, by variable, point): the known functions of the values
+    begin with the entries of the field."""
+    p, still, moving = values.p, len(field.positions), len(field.velocities)
+    rates, rest = values.known_slopes[:still], values.known_slopes[still:]
+    columns, end = rest[:moving], moving + moving**2
+    mass = rest[moving:end].reshape(moving, moving, *rest.shape[1:])
+    for k in range(moving):
+        columns = (columns - mass[:, k] * values.motion[still + k] % p) % p
+    matrix = values.known[still + moving : still + end].reshape(moving, moving, values.points)
+    solved, _ = solve_each(matrix, columns, p)
+    return np.concatenate([rates, solved])
 
 
 def _degree(poly: Any, generators: set[int]) -> int:

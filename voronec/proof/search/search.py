@@ -387,15 +387,21 @@ def _order(row: Array) -> tuple[int, ...]:
 SymbolValues = Mapping[Any, sp.Expr]
 
 
-def _declared_integrals(
-    system: System, values: SymbolValues, cases: Mapping[str, SymbolValues]
-) -> dict[str, sp.Expr]:
-    """The declared integrals: those of the system, and those of the cases, each given with its
-    parameters, that hold at these values of parameters."""
+def known_integrals(motions: Motions, field: VectorField, values: SymbolValues) -> dict[str, Any]:
+    """The declared integrals that are functions on the field, which has special values of
+    parameters, in the engine's symbols."""
+    inside = {field.bridge.inward(s): field.bridge.inward(v) for s, v in values.items()}
+    found = _on_field(motions, field, _declared_integrals(motions.system, values))
+    return {name: f.xreplace(inside) for name, f in found.items()}
+
+
+def _declared_integrals(system: System, values: SymbolValues) -> dict[str, sp.Expr]:
+    """The declared integrals: those of the system, and those of the cases that hold at these values
+    of parameters."""
     claims = dict(system.integrals)
-    for name, parameters in cases.items():
-        if _is_implied(parameters, values):
-            claims |= {f"{k} ({name})": v for k, v in system.cases[name].integrals.items()}
+    for name, case in system.cases.items():
+        if _is_implied(parameter_values(system, case.parameters), values):
+            claims |= {f"{k} ({name})": v for k, v in case.integrals.items()}
     return {k: c.right if isinstance(c, Corrected) else c for k, c in claims.items()}
 
 
@@ -482,10 +488,10 @@ class SearchProblem:
         given = _functions(motions.system, functions)
         below = [d if d == "mass" else as_expression(d) for d in denominators]
         plain = [*given.values(), *(d for d in below if d != "mass")]
-        values = _values(motions.system, at)
+        values = parameter_values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
         _check_symbols(motions.system, plain, new)
-        field = _specialize(motions.field_for(plain), values)
+        field = specialize_field(motions.field_for(plain), values)
         if field.existence.refuted:
             raise DefinitionError(f"system '{motions.system.name}': {field.existence.method}")
         reader = _StateReader(field, values)
@@ -496,11 +502,8 @@ class SearchProblem:
             *reader.denominators(below),
         ]
         ansatz = Ansatz(tuple(letters), degree, positions, power)
-        cases = {k: _values(motions.system, c.parameters) for k, c in motions.system.cases.items()}
-        claims = {} if again else _declared_integrals(motions.system, values, cases)
-        inside = {field.bridge.inward(s): field.bridge.inward(v) for s, v in values.items()}
-        given_known = _on_field(motions, field, claims)
-        known = {name: f.xreplace(inside) for name, f in given_known.items()}
+        claims = {} if again else _declared_integrals(motions.system, values)
+        known = {} if again else known_integrals(motions, field, values)
         return cls(field, ansatz, known, tuple(n for n in claims if n not in known), values)
 
 
@@ -644,7 +647,7 @@ def _check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> N
                 )
 
 
-def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
+def parameter_values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
     """Special values of parameters, by symbol."""
     parameters = {str(p.symbol): p.symbol for p in system.parameters}
     found = {}
@@ -670,7 +673,7 @@ def _values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
     return found
 
 
-def _specialize(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
+def specialize_field(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
     """The field at special values of parameters; symbols that are new become parameters."""
     if not values:
         return field
