@@ -1,0 +1,168 @@
+"""Regions of a bifurcation diagram, and the components of the levels in them.
+
+The curves of critical values cut the window into regions; in each, compact levels are all alike.  A
+level is sampled by Newton's method from random points, and points next to each other belong to one
+component where the way between them, projected to the level, has no jump.  All that is computed: a
+region narrower than a cell of the raster, and a component that no random point leads to, are missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from voronec.dynamics.bifurcation_curves import CriticalPoints
+
+CELLS = 300
+"""Cells of the raster in each direction."""
+FEWEST = 9
+"""Regions of fewer cells are left out."""
+SAMPLES = 500
+"""Points of a level at most, of which components are made."""
+NEIGHBOURS = 12
+"""Each is compared with so many."""
+BETWEEN = 8
+"""The way from point to point is cut into so many parts; where one of them is JUMP times as long
+as it should be, or longer, there is a gap."""
+JUMP = 3.0
+SMALLEST = 0.01
+"""A component has this part of the points, or more: fewer are points that found no neighbours."""
+PLACES = 3
+"""Levels of a region that are looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A part of the window: ``components`` of the levels in it, none where there are no motions,
+    and None where levels of it differ, as they do where levels are not compact; ``place`` (2,) is
+    deep inside, ``share`` its part of the window."""
+
+    place: tuple[float, float]
+    share: float
+    components: int | None
+    counts: tuple[int, ...] = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class LevelComponents:
+    """Points (m, n) of a level, and of which component (m,) each is."""
+
+    points: np.ndarray
+    labels: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """How many components there are."""
+        return int(self.labels.max(initial=-1)) + 1
+
+
+def level_components(
+    points: CriticalPoints, place: Sequence[float], count: int = SAMPLES, seed: int = 1
+) -> LevelComponents:
+    """The components of the level of which ``place`` (2,) are the values of the two integrals."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    own = points.map
+    count = count if points.dimension > 1 else count // 2
+    targets = [*points.targets, *place]
+    x = own.project(own.random_points(2 * count, seed), points.rows, targets)[:count]
+    if len(x) < 2:
+        return LevelComponents(x, np.zeros(len(x), dtype=int))
+    scaled = x / own.units
+    near = cKDTree(scaled).query(scaled, min(NEIGHBOURS, len(x) - 1) + 1)[1]
+    pairs = np.unique(
+        np.sort([(i, j) for i, row in enumerate(near) for j in row if i != j], axis=1), axis=0
+    )
+    joined = pairs[_are_joined(points, x[pairs[:, 0]], x[pairs[:, 1]], targets)]
+    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(x), len(x)))
+    labels = connected_components(graph, directed=False)[1]
+    sizes = np.bincount(labels)
+    kept = np.flatnonzero(sizes >= max(2, SMALLEST * len(x)))
+    order = {int(k): i for i, k in enumerate(kept[np.argsort(-sizes[kept], kind="stable")])}
+    inside = np.isin(labels, kept)
+    return LevelComponents(x[inside], np.array([order[int(k)] for k in labels[inside]], dtype=int))
+
+
+def _are_joined(
+    points: CriticalPoints, a: np.ndarray, b: np.ndarray, targets: Sequence[float]
+) -> np.ndarray:
+    """Which ways (p,) between points of a level (p, n) are on it without a jump."""
+    own, shares = points.map, np.linspace(0, 1, BETWEEN + 1)[1:-1]
+    ways = a[:, None] + shares[:, None] * (b - a)[:, None]
+    n = len(own.units)
+    found, met = own.settle(ways.reshape(-1, n), points.rows, targets)
+    whole = np.concatenate([a[:, None], found.reshape(ways.shape), b[:, None]], axis=1) / own.units
+    parts = np.linalg.norm(np.diff(whole, axis=1), axis=2)
+    straight = np.linalg.norm((b - a) / own.units, axis=1) / BETWEEN
+    joined: np.ndarray = (parts.max(axis=1) < JUMP * straight) & met.reshape(len(a), -1).all(axis=1)
+    return joined
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """The regions of a window as cells: ``labels`` (CELLS, CELLS) are numbers of regions, first by
+    the first integral, and -1 on curves and where a region is too small."""
+
+    window: np.ndarray
+    labels: np.ndarray
+    regions: tuple[Region, ...]
+
+    def at(self, place: Sequence[float]) -> int:
+        """The number of the region of a place (2,), or -1; outside of the window, too."""
+        cell = (np.asarray(place) - self.window[:, 0]) / np.ptp(self.window, axis=1) * CELLS
+        inside = (cell >= 0).all() and (cell < CELLS).all()
+        return int(self.labels[*cell.astype(int)]) if inside else -1
+
+
+def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
+    """The regions that curves of critical values leave in the window."""
+    from scipy import ndimage
+
+    window = points.window
+    free = np.ones((CELLS, CELLS), dtype=bool)
+    for curve in curves:
+        way = (curve.values - window[:, 0]) / np.ptp(window, axis=1) * CELLS
+        steps = np.linspace(0, 1, 64)[:, None, None]
+        cells = np.floor((1 - steps) * way[:-1] + steps * way[1:]).reshape(-1, 2).astype(int)
+        cells = cells[(cells >= 0).all(axis=1) & (cells < CELLS).all(axis=1)]
+        free[*cells.T] = False
+    found, count = ndimage.label(free)
+    labels, regions = np.full(free.shape, -1), []
+    for k in range(1, count + 1):
+        inside = found == k
+        if inside.sum() < FEWEST:
+            continue
+        labels[inside] = len(regions)
+        regions.append(_region(points, inside))
+    return Raster(window, labels, tuple(regions))
+
+
+def _region(points: CriticalPoints, inside: np.ndarray) -> Region:
+    """A region of the raster: levels are looked at where it is widest."""
+    from scipy import ndimage
+
+    window, deep = points.window, np.pad(inside, 1)
+    places, counts = [], []
+    for seed in range(1, PLACES + 1):
+        depth = ndimage.distance_transform_edt(deep)[1:-1, 1:-1]
+        cell = np.array(np.unravel_index(int(np.argmax(depth)), depth.shape))
+        places.append(window[:, 0] + (cell + 0.5) / CELLS * np.ptp(window, axis=1))
+        counts.append(level_components(points, places[-1], seed=seed).count)
+        if seed == 2 and counts[0] == counts[1]:
+            break
+        # the next one lies elsewhere
+        radius = max(2, int(depth.max() / 2))
+        low, high = np.maximum(cell + 1 - radius, 0), cell + 2 + radius
+        deep = deep.copy()
+        deep[low[0] : high[0], low[1] : high[1]] = False
+        if not deep.any():
+            break
+    most = max(set(counts), key=counts.count)
+    agreed = counts.count(most) > len(counts) / 2
+    x, y = places[counts.index(most)].tolist()
+    return Region((x, y), float(inside.mean()), most if agreed else None, tuple(counts))
