@@ -74,7 +74,6 @@ SYSTEM = System(
         psi: "heading of the blade, from the meridian",
         v: "speed along the blade",
         w: "rate of turning about the normal",
-        "roll": "angular velocity about the blade",
         "turning": "rate of turning about the normal",
         "drift": "rate of turning times speed, less the weight's part across the blade",
         **dict(
