@@ -25,7 +25,7 @@ SYSTEM = kinematics.BallOnRevolution(u, profile, m, R, J, g, length=1).system(
     values={delta: steep, m: 1, R: "1/5", J: "2/125", g: 1},
     ranges=(0, 3),
     outline=((-2.2, 0.88), (0.0, 0.0), (2.2, 0.88)),
-    measured=((0.2, 0.55), (1.15, 1.05)),
+    measured=((0.0, 0.59), (1.15, 1.05)),
     meanings={
         u: "distance of the centre from the vertex of its cone",
         "moment": "square of the distance, times the rate of the azimuth",

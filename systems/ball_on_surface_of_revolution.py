@@ -30,6 +30,7 @@ SYSTEM = kinematics.BallOnRevolution(u, profile, m, R, J, g).system(
     title="Ball on a surface of revolution",
     description="A heavy homogeneous ball rolls without slipping on a surface of revolution.",
     values={m: 1, R: "1/5", J: "2/125", g: 1},
+    measured=((0.0, 0.6), (1.15, 1.05)),
     meanings={u: "place of the centre on its meridian"},
     references=("Routh1905", "BorisovMamaevKilin2002"),
 )
