@@ -478,6 +478,21 @@ def test_a_case_has_claims_of_its_own():
     assert found["symmetric: Euler-Jacobi"] == "proved"
 
 
+def test_a_case_may_hold_an_input():
+    free, pushed = (Case({w: push}, integrals={"speed": Dx}) for push in (0, 1))
+    system = System(
+        name="cart",
+        fibration=Fibration((x,)),
+        lagrangian=Dx**2 / 2,
+        inputs=(w,),
+        forces={x: w},
+        scenes={"pushed": vo.Scene({}, inputs={w: 1})},
+        cases={"free": free, "pushed": pushed},
+    )
+    found = {c.name: c.verdict.status for c in vo.check_claims(system)}
+    assert found == {"free: speed": "proved", "pushed: speed": "refuted"}
+
+
 def test_a_specialised_system_knows_the_parameter_no_more():
     level = specialise(skate(integrals={"energy": ENERGY, "odd": x / k}), {"k": 0})
     assert [p.name for p in level.parameters] == ["m"] and k not in level.lagrangian.free_symbols

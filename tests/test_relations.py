@@ -185,6 +185,18 @@ def test_the_limit_scales_parameters_of_the_source():
         check("spring", "free", state={q: x}, limit=vo.Limit(h, {n: h}))
 
 
+def test_parameters_that_a_limit_moves_together_come_to_the_target():
+    pair = vo.System(
+        name="pair-of-springs",
+        fibration=vo.Fibration((x,)),
+        lagrangian=DX**2 / 2 - (k * n * x) ** 2 / 2,
+        parameters=(k, n),
+    )
+    limit = vo.Limit(h, {k: h * k, n: 1 / h})
+    relation = vo.Relation(pair.name, "unit-spring", {q: x}, {w: k * n}, limit=limit)
+    assert vo.check_relation(relation, [UNIT, pair]).verdict.proved
+
+
 def test_polar_coordinates_carry_the_volume():
     r, a = sp.symbols("r a", positive=True)
     polar = vo.System(

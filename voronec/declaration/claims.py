@@ -161,7 +161,7 @@ class Corrected:
 @takes_fields
 @dataclass(frozen=True)
 class Case:
-    """Claims that hold where some parameters take special values.
+    """Claims that hold where some parameters take special values, or inputs that are held.
 
     ``parameters`` gives them as numbers or functions of the other parameters; the claims are
     those of ``System``.  For ``integrable`` the integrals of the system count too, and its measure

@@ -571,13 +571,13 @@ def check_claims(system: System) -> None:
                 f"essential holds '{quote(variable)}', which is no coordinate, velocity of the "
                 "equations or invariant"
             )
-    names = {*system.parameter_names}
+    names = {*system.parameter_names, *map(plain_name, system.inputs)}
     for label, case in system.cases.items():
         for key in case.parameters:
             name = plain_name(key)
             if name not in names:
                 raise DefinitionError(
-                    f"case '{label}' gives a value to '{name}', which is no parameter"
+                    f"case '{label}' gives a value to '{name}', which is no parameter and no input"
                 )
     claimed = {*claim_names(system)} if system.undecided else set()
     for name in system.undecided:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from voronec.kinematics.balanced_balls import BalancedBall as BalancedBall
     from voronec.kinematics.balanced_balls import BallMotion as BallMotion
     from voronec.kinematics.balanced_balls import SymmetricBallMotion as SymmetricBallMotion
+    from voronec.kinematics.ball_on_revolution import BallOnRevolution as BallOnRevolution
     from voronec.kinematics.balls import RollingBall as RollingBall
     from voronec.kinematics.balls import contact_momentum as contact_momentum
     from voronec.kinematics.bodies import axial_rotor as axial_rotor
@@ -63,6 +64,7 @@ _HOME = {
     for module, names in {
         ".declaration.derivatives": "derivative",
         "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
+        "ball_on_revolution": "BallOnRevolution",
         "balls": "RollingBall contact_momentum",
         "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
         "bodies_in_rn": "BodyInRn",

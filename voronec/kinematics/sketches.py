@@ -306,3 +306,26 @@ def particle_sketch(gamma: Sequence[Any]) -> Sketch:
     sketch = Sketch("seen from the side").ellipse((0, 0), 1.2, 1.2).ring((0, 0), 1.2, 0.3)
     tip = polar((0, 0), 1.2, 55)
     return sketch.dot((0, 0), "O", 200).arrow((0, 0), tip).dot(tip, _join(gamma), 35)
+
+
+def bowl_sketch(
+    place: Any,
+    azimuth: Any,
+    attitude: Sequence[Any],
+    outline: Sequence[Point] | None = None,
+    measured: tuple[Point, Point] | None = None,
+) -> Sketch:
+    """A ball in a bowl, from the side: its ``place`` on the meridian, ``measured`` between two
+    points, and the ``azimuth`` of its centre, with Euler's angles; ``outline`` is the bowl."""
+    centre, radius = (1.15, 1.05), 0.545
+    parabola = [(k / 10, 0.28 * (k / 10) ** 2) for k in range(-22, 23)]
+    sketch = Sketch("seen from the side").line(*(outline or parabola))
+    sketch = sketch.arrow((0.0, 0.0), (0.0, 2.3)).turn((0.0, 2.0), 90, 0.3, azimuth)
+    sketch = sketch.ellipse(centre, radius, radius)
+    for end in ((0.0, 1.05), (1.15, 2.2)):
+        sketch = sketch.line(centre, end, look="dashed")
+    sketch = sketch.distance(*(measured or ((0.0, 1.05), centre)), place, 0.15)
+    alpha, beta, psi = attitude
+    sketch = sketch.turn((1.15, 2.05), 90, 0.22, alpha).arrow(centre, (2.1, 1.85))
+    sketch = sketch.angle(centre, 0.75, 90, 40, beta).turn((1.93, 1.7), 40, 0.22, psi)
+    return sketch.dot(centre, "C", -60)

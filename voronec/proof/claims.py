@@ -377,7 +377,8 @@ def _with_reason(claim: Claim, system: System) -> Claim:
 def specialise(
     system: System, parameters: Mapping[Any, Any], new: tuple[Parameter, ...] = ()
 ) -> System:
-    """The system with some parameters replaced everywhere by numbers or by functions of others.
+    """The system with some parameters, and inputs, replaced everywhere by numbers or by functions
+    of other parameters.
 
     ``new`` are parameters that these functions may hold besides those that remain.  Of the claims
     the integrals, equations and measure are kept that are defined at these values.
@@ -390,6 +391,7 @@ def specialise(
         system,
         fibration=_replace_in(system.fibration, at, "relations"),
         parameters=(*kept, *new),
+        inputs=tuple(i for i in system.inputs if i not in at),
         possible=_still_possible(system, at),
         frame=_replace_in(system.frame, at, "expressions", "brackets", "rates"),
         **{name: replace_symbols(getattr(system, name), at) for name in moved},
@@ -434,6 +436,7 @@ def case_of(system: System, case: Case) -> System:
 def _case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     """Values by symbols of the system; keys may be names."""
     known = {p.name: p.symbol for p in system.parameters}
+    known |= {plain_name(i): i for i in system.inputs}
     values = {}
     for key, value in parameters.items():
         name = plain_name(key)
@@ -470,6 +473,9 @@ def _finite_claims(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str
 
 
 def _without(scene: Any, names: set[str]) -> Any:
-    """A scene that sets none of the replaced parameters."""
-    kept = {k: v for k, v in scene.parameters.items() if plain_name(k) not in names}
-    return replace(scene, parameters=kept)
+    """A scene that sets none of the replaced parameters and inputs."""
+
+    def others(given: Mapping[Any, Any]) -> dict[Any, Any]:
+        return {k: v for k, v in given.items() if plain_name(k) not in names}
+
+    return replace(scene, parameters=others(scene.parameters), inputs=others(scene.inputs))

@@ -210,10 +210,10 @@ def _stated_map(statemap: StateMap, decided: StateMap) -> StateMap:
 
 def at_limit(statemap: StateMap) -> StateMap:
     """The relation where the small parameter vanishes; ``EngineLimit`` where that is singular."""
-    source, small, rules = statemap.source, statemap.small, statemap.hypotheses
+    source, small, rules = statemap.scaled_source, statemap.small, statemap.hypotheses
 
     def there(exprs: Iterable[Any]) -> tuple[Any, ...]:
-        return tuple(at_zero(statemap.scale(e), rules, small) for e in exprs)
+        return tuple(at_zero(e, rules, small) for e in exprs)
 
     field = replace(
         source,
