@@ -82,6 +82,7 @@ def moved(method: str, inputs: Any = 0, **options: Any) -> vo.Trajectory:
 CASES = {"plain": (), "two": EVENTS[:2], "three": EVENTS, "one": EVENTS[2:]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "events"),
     [pytest.param(*way.values, case, marks=way.marks, id=f"{way.values[0]}-{name}")
@@ -345,6 +346,7 @@ def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> No
     assert moved("auto", tol=1e-15).cost.method == "heyoka", "finer than it gets"
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.parametrize(("name", "end"), [("chaplygin-ball-in-rn", 5.0), ("falling-disc", 1.0)])
 def test_auto_takes_it_where_its_steps_cost_less_at_equal_error(name: str, end: float) -> None:

@@ -317,6 +317,7 @@ def row(count, ahead):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_equations_of_vehicles_in_a_row_grow_evenly_with_their_number():
     sizes = []
     for count in (2, 3, 4):
@@ -337,6 +338,7 @@ def test_equations_of_vehicles_in_a_row_grow_evenly_with_their_number():
         assert abs(sum(slopes).evalf(30) - theirs[q]) < 1e-25
 
 
+@pytest.mark.slow
 def test_what_normal_forms_make_longer_is_left_as_it_is():
     for count in (2, 4):
         eqs = vo.derive(row(count, ahead=1))
@@ -355,6 +357,7 @@ def matrix_turn():
     return spin[2, 1], spin[0, 2], spin[1, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("turn", "places", "raw"),
     [
