@@ -535,6 +535,7 @@ def verdicts_on(name: str, several: list[str]) -> list[set[str]]:
     return [{f.verdict for record in found for f in record.formulas} for found in units]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRUE)
 def test_no_true_display_is_called_a_misprint(name):
     """In other authors' styles; what is marked is read and proved, what is unknown is not read."""

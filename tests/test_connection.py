@@ -180,6 +180,7 @@ def written_anew(rows, coordinates, seed, moving):
     return list(low * up * sp.Matrix(rows))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", TEXTBOOK)
 def test_textbook_constraints_hold_the_known_functions_constant_in_any_basis(make):
     base, fibre, rows, leaves = make()
@@ -201,6 +202,7 @@ def test_textbook_constraints_hold_the_known_functions_constant_in_any_basis(mak
         assert np.linalg.matrix_rank(numbers[len(leaves) : 2 * len(leaves)]) == len(leaves)
 
 
+@pytest.mark.slow
 def test_leaves_are_integrals_that_check_proves_and_a_search_finds():
     base, fibre, rows, _ = plate_on_balls()
     lagrangian = sum(velocity(s) ** 2 for s in (*base, *fibre)) / 2

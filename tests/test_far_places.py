@@ -89,6 +89,7 @@ SYSTEMS: dict[str, Callable[[Any], vo.System]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["auto", "scipy"])
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_motion_far_away_is_that_at_the_origin(name: str, method: str) -> None:
@@ -131,6 +132,7 @@ def test_printed_programs_keep_the_distance(form: str, system: vo.System) -> Non
     assert str(FAR**2) not in text and str(FAR) in text
 
 
+@pytest.mark.slow
 def test_an_energy_that_is_rounding_is_no_integral_that_stays() -> None:
     """Its terms as they stand are 1e-4 of the powers of x."""
     system = sleigh((x - FAR) ** 4 / 4)

@@ -540,18 +540,18 @@ def test_a_run_ends_where_no_split_leads_on(monkeypatch: pytest.MonkeyPatch) -> 
     # both wheels of a bicycle that tumbles come to touch the ground where their conditions are one
     monkeypatch.setattr("voronec.motion.singular_denominators.Random", lambda _: Random(1))
     start = {
-        "phi": -2.035686614234207, "delta": -33.52509248996672, "beta_R": 7.471950048917096,
-        "x": 4.777030990248209, "y": 0.32111862746184155, "z": 0.442, "psi": 2.0567957646061044,
-        "theta": 1.2619491738424964, "beta_F": -15.408981756587421,
-        "roll_rate": -0.010065522403191501, "steer_rate": 2.5258018221942393,
-        "speed": 1.2850606529703317,
+        "phi": -2.0692258788579174, "delta": -34.55218737643772, "beta_R": 7.5591976749251755,
+        "x": 4.840272422844119, "y": 0.23292571167811882, "z": 0.442, "psi": 2.1397321927844533,
+        "theta": 1.5371228925686338, "beta_F": -15.711701292735551,
+        "roll_rate": -0.19203597600866923, "steer_rate": 1.0123300237552504,
+        "speed": -0.9127716322729438,
     }  # fmt: skip
     with pytest.raises(vo.IntegrationError, match="constraints become dependent after") as caught:
         vo.integrate(
             replace(vo.load("bicycle")), initial=start, times=[0, -6], project=True,
             method="c" if which("cc") else "scipy",
         )  # fmt: skip
-    assert float(caught.value.time) == pytest.approx(-0.1561, abs=1e-3)
+    assert float(caught.value.time) == pytest.approx(-0.0057, abs=5e-4)
     cost = caught.value.trajectory.cost
     assert cost.switches < 20 and cost.steps < 20_000
 

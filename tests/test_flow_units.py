@@ -277,6 +277,7 @@ def spring(mass: float, length: float, time: float) -> dict[str, object]:
     return {"system": system, "parameters": given, "method": "scipy", "tol": 1e-10}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("many", ["integrate", "ensemble", "section"])
 def test_the_drift_is_that_of_other_units(many: str) -> None:
     """Absolute numbers stood for sizes: of masses of 1e-20 the drift seemed to be 1e-34."""

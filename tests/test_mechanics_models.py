@@ -879,6 +879,7 @@ def agree(source: Any, seed: str) -> None:
         assert abs(ours - theirs) < CLOSE * (1 + abs(theirs)), (seed, pairs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in MODELS]
 )

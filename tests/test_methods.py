@@ -25,6 +25,7 @@ WITHOUT_BODIES = ("sleigh-on-turntable",)
 solved = cache(lambda name: vo.by_methods(vo.load(name)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROBLEMS + MORE)
 def test_all_methods_are_proved_equal(name: str) -> None:
     """Five equalities of six methods."""
@@ -98,6 +99,7 @@ def test_a_method_that_cannot_be_written_out_leaves_the_others(monkeypatch) -> N
     assert found.as_dict()["limits"] == dict(found.limits)
 
 
+@pytest.mark.slow
 def test_what_is_too_large_is_told_in_one_line() -> None:
     with pytest.raises(vo.EngineLimit, match=r"bicycle.*no method done.*compared in numbers"):
         vo.by_methods(vo.load("bicycle"))

@@ -75,6 +75,7 @@ THEOREMS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "second", "density"), THEOREMS)
 def test_a_theorem_holds_on_the_pieces_on_which_its_integrals_are_independent(
     first, second, density

@@ -137,6 +137,7 @@ def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> N
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "file", "begins"),
     [("demchenko", "ball.gif", b"GIF8"), ("snakeboard", "board.webp", b"RIFF")],

@@ -56,6 +56,7 @@ def lorenz() -> vo.System:
     return vo.System("lorenz", vo.Fibration(base=(tau,), fibre=(x, y, z)), v(tau) ** 2 / 2, rows)
 
 
+@pytest.mark.slow
 def test_variations_are_finite_differences_in_many_digits() -> None:
     space = PhaseSpace.of(henon_heiles(), None, {"x": 0.1, "y": -0.2, vx: 0.3}, None, None, ())
     flow, start, end = space.flow(), space.motions.states[0], 1.0
@@ -290,6 +291,7 @@ def test_exponents_of_henon_and_heiles_come_in_pairs() -> None:
     assert found.drift[0] < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["chaplygin-ball", "zhukovsky-ball", "bobylev-ball"])
 def test_integrable_balls_have_zeros_alone(name: str) -> None:
     found = vo.exponents(vo.load(name), bar=0.01)
@@ -320,6 +322,7 @@ def test_rough_right_sides_are_refused() -> None:
         vo.exponents(system, initial={"x": 1.0}, variables=("x",))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given", [{"count": 0}, {"count": 9}, {"bar": 0.0}, {"until": -1.0}, {"initial": {"a": 1}}]
 )

@@ -50,6 +50,7 @@ def system_of(path):
 PAPERS = [*sorted(NOTES.glob("*.tex")), *sorted((HERE / "papers").glob("*.tex"))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PAPERS, ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_the_errors_of_a_paper_are_found_and_nothing_else_is_accused(path):
     found = vo.audit_paper(path, system_of(path))
@@ -58,6 +59,7 @@ def test_the_errors_of_a_paper_are_found_and_nothing_else_is_accused(path):
     assert all(record.decisive.witness for record in found.errata)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "least"), [("other_fields", 90), ("true_of_the_sleigh", 50)])
 def test_formulas_of_other_fields_problems_and_units_are_never_accused(tmp_path, name, least):
     system = tmp_path / "sleigh.toml"
@@ -84,6 +86,7 @@ RIGHT = r"ma\omega^2, *mav\omega"
 TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "verdict"),
     [
@@ -178,6 +181,7 @@ def test_macros_files_and_systems_keep_their_places(tmp_path):
     assert labels[3].startswith("line 9")
 
 
+@pytest.mark.slow
 def test_letters_are_asked_for_and_given_in_a_table(tmp_path, call):
     text = r"With $\Omega$ one has $\dot v=a\Omega^2$ and $(J+ma^2)\dot\Omega=-mav\Omega$."
     found = audit(tmp_path, text)
@@ -214,6 +218,7 @@ def test_the_command_tells_right_from_wrong(tmp_path, call):
 SPEEDS = r"Here $$\dot v=a\omega^2,\eqno(9)$$ $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. "
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sentence", "verdict"),
     [
@@ -269,6 +274,7 @@ def test_a_system_is_integrable_where_it_claims_a_theorem_that_is_proved(tmp_pat
     assert "Euler and Jacobi" in found.audit.records[-1].decisive.method
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("root", "verdict"), [(r"\sqrt", "proved"), ("", "unaudited")])
 def test_a_density_is_proved_in_the_variables_of_the_system(tmp_path, root, verdict):
     text = rf"""Put $\rho={root}{{1-mR^2(\gamma_1^2/(I_1+mR^2)+\gamma_2^2/(I_2+mR^2)
@@ -279,12 +285,14 @@ def test_a_density_is_proved_in_the_variables_of_the_system(tmp_path, root, verd
     assert found.audit.records[-1].verdict == verdict
 
 
+@pytest.mark.slow
 def test_a_paper_of_the_catalogue_is_audited_by_its_name(call):
     done = call("audit", "chaplygin-ball", "--json")
     assert done.status == 0
     assert json.loads(done.out) == json.loads(call("regenerate", "chaplygin-ball", "--json").out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "said"),
     [

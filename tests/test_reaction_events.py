@@ -129,6 +129,7 @@ def test_a_name_that_the_system_has_given_stays_its_own() -> None:
     assert abs(run["reaction 1"][0] + 1) < 1e-12 and run[2 * own][0] == 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bicycle", "torus-on-ellipsoid"])
 def test_reactions_that_are_too_long_are_refused_at_once(name: str) -> None:
     with pytest.raises(vo.EngineLimit, match="too long for formulas, events and sections; ask for"):

@@ -71,12 +71,14 @@ def residuals(system: Any, text: str) -> list[Any]:
     return [e.xreplace(values) for e in accelerated]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("book", BY_NAME)
 def test_equations_of_a_book_hold_on_the_motion(book: Textbook) -> None:
     for residual in residuals(book.system, book.equations):
         assert vo.prove_equal(residual, 0).proved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("book", BY_NAME)
 def test_what_is_printed_holds_on_the_motion_and_determines_it(book: Textbook) -> None:
     eqs = vo.derive(book.system)
@@ -89,6 +91,7 @@ def test_what_is_printed_holds_on_the_motion_and_determines_it(book: Textbook) -
     assert slopes.xreplace(point).evalf(30).rank() == len(dots)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("book", BY_NAME)
 def test_lines_are_short_and_brackets_are_not_nested_deeply(book: Textbook) -> None:
     text = str(vo.derive(book.system))
@@ -96,6 +99,7 @@ def test_lines_are_short_and_brackets_are_not_nested_deeply(book: Textbook) -> N
     assert depth(text) <= 3
 
 
+@pytest.mark.slow
 def test_the_printed_form_is_as_short_as_the_book() -> None:
     ratios = [len(printed(vo.derive(b.system)).replace(" ", "").replace(";", "")) / b.length
               for b in TEXTBOOK]  # fmt: skip
@@ -114,6 +118,7 @@ def sled(mass: str = "m", reach: str = "K") -> vo.System:
     ).system  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["demchenko", "chaplygin-ball", "robot-with-two-trailers"])
 def test_names_are_nobody_elses_and_stand_for_what_is_said(name: str) -> None:
     system = vo.load(name)
@@ -147,6 +152,7 @@ def test_a_false_identity_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> Non
         assert vo.prove_equal(residual, 0).proved
 
 
+@pytest.mark.slow
 def test_latex_is_set_as_a_book_sets_it() -> None:
     text = vo.derive(vo.load("sleigh")).latex(names=True)
     assert r"(J + m a^2) \dot w &= -m a v w" in text and r"\dot x &= v \cos\phi" in text
@@ -162,6 +168,7 @@ CATALOGUE = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE.split())
 def test_lines_of_the_catalogue_fit(name: str) -> None:
     """Equations and curvature; what a user declares stands above, as it is declared."""
@@ -186,6 +193,7 @@ def test_names_are_defined_in_the_order_of_reading_and_begin_without_a_minus(nam
     assert not any(text(row.left).startswith("-") for row in form.rows)
 
 
+@pytest.mark.slow
 def test_accelerations_stand_on_the_left_and_are_in_no_name() -> None:
     form = readable(vo.derive(vo.load("ball-on-free-sphere")))
     dots = "omega1dot omega2dot omega3dot W1dot W2dot W3dot".split()

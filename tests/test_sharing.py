@@ -39,6 +39,7 @@ def values(block: Block, point: dict[Any, Any]) -> list[sp.Expr]:
     return [sp.N(sp.sympify(e.xreplace(known)), 40) for e in block.results]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sleigh", "demchenko", "falling-disc", "rattleback"])
 def test_shorter_programs_compute_the_same(name: str) -> None:
     long = Program.of(vo.derive(vo.load(name)).form)

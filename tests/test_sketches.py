@@ -42,6 +42,7 @@ def test_a_picture_is_one_element_and_the_same_each_time() -> None:
     assert sketch._repr_html_() == sketch.svg() and len(repr(sketch)) < 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
 def test_show_draws(ending: str, tmp_path: Path) -> None:
     file = tmp_path / f"sleigh.{ending}"

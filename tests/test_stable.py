@@ -254,6 +254,7 @@ def random_sum(dice, depth=1):
     return se.Add(*terms, dice.choice([0, -factor, factor]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_sum_beside_what_it_becomes_keeps_its_value(seed):
     """What is written otherwise may stand in the sum as well: then one was lost."""

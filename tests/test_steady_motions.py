@@ -414,6 +414,7 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
     assert family.branch_points == pytest.approx([capsize.value], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_commands_print_and_refuse(call: Call) -> None:
     answer = call("steady", "suslov", "--json")
     told = json.loads(answer.out)

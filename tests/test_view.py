@@ -80,6 +80,7 @@ def test_names_are_written_by_hand() -> None:
     assert in_node(page_at_start("sleigh"), f"{json.dumps(names)}.map(letters)") == hand
 
 
+@pytest.mark.slow
 @needs_node
 def test_an_address_holds_the_instant_the_start_and_parameters() -> None:
     """What it says is read back to the last bit; what the page does not take is named."""

@@ -264,6 +264,7 @@ def test_a_notebook_shows_it(tab: browser.Tab, tmp_path: Path) -> None:
     assert not complaints(tab)
 
 
+@pytest.mark.slow
 def test_what_is_recorded_has_no_sliders(tab: browser.Tab, tmp_path: Path) -> None:
     system = vo.load("demchenko")
     everything = (*system.coordinates, *system.velocities)

@@ -1,21 +1,20 @@
 """Faults planted into the engine one at a time, and whether the tests notice.
 
-    python tools/planted_faults.py map MAP [TEST FILES ...] [--fast]
-    python tools/planted_faults.py plant MAP [--seed 1] [--count 60] [--within motion/steppers ...]
+    python tools/planted_faults.py [TEST FILES ...] [--seed 1] [--count 60] [--hours 2]
+                                   [--within motion/steppers ...] [--fast] [--jobs 2]
 
-``map`` runs each test file in a process of its own under coverage and writes which lines of
-``voronec/`` it runs, and its CPU seconds.  ``plant`` draws faults by seed: a sign turned, an index
-or a bound moved by one, a condition turned, a term dropped.  Of each it runs the test files that
-reach its line, those first of which the faulty module is the largest part, up to the first failure
-or for ``--seconds`` of CPU; the last line counts those that were caught.  Faults live in a copy of
-the tree.  It needs ``coverage`` (``pip install coverage``).
+Faults are drawn by seed: a sign turned, an index or a bound moved by one, a condition turned, a
+term dropped.  First the tests (all, where no file is named) run once with a probe in place of each
+fault, which writes down the tests that come by.  Then each fault is planted by itself, and those
+tests run, first those that come by few faults, up to the first failure or for ``--seconds`` of CPU;
+where none fails, their whole files run, since what is kept within a process is computed for the
+first test that wants it.  The last line counts what was caught.  All happens in a copy of the tree.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import json
 import os
 import random
 import resource
@@ -23,19 +22,36 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PARTS = (".ci", "docs", "systems", "tests", "tools", "voronec")
-PYTEST = (sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider")
-FAST = ("-m", "not slow")
-NOTHING_TO_RUN = 5
-"""What pytest returns where all tests of a file are left out."""
+PYTEST = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+PROBE = """
+import os
+import pytest
+
+def told(*words, seen=set()):
+    if words not in seen:
+        seen.add(words)
+        with open(os.environ["PLANTED_PROBES"], "a") as file:
+            file.write("\\t".join(words) + "\\n")
+
+def reached(number):
+    test = os.environ.get("PYTEST_CURRENT_TEST", "").rpartition(" ")[0]
+    if test:
+        told(str(number), test)
+
+def pytest_runtest_logreport(report):
+    if report.failed:
+        told("fails", report.nodeid)
+"""
+"""A module for the copy of the tree: what probes call, and a plug-in of pytest."""
 MOVES: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Lt: ast.LtE,
     ast.LtE: ast.Lt,
@@ -62,6 +78,12 @@ class Fault:
     def plant_in(self, source: bytes) -> bytes:
         """The source of the module with the fault."""
         return source[: self.begin] + self.text.encode() + source[self.end :]
+
+    def probe_in(self, source: bytes, number: int) -> bytes:
+        """The source of the module, which tells when the place of the fault is reached."""
+        call = f"(__import__('planted_probe').reached({number}) or "
+        old = source[self.begin : self.end]
+        return source[: self.begin] + call.encode() + old + b")" + source[self.end :]
 
     def tell(self, source: bytes) -> str:
         """Where it is, and what is changed."""
@@ -99,18 +121,28 @@ def _is_whole(node: ast.expr) -> bool:
 
 
 def faults_in(module: str, source: bytes) -> list[Fault]:
-    """All faults that can be planted into one module, but into what only annotates."""
+    """All faults that can be planted into the functions of one module."""
     starts = [0]
     for line in source.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
     found = []
-    for node in ast.walk(ast.parse(source)):
+    tree = ast.parse(source)
+    bodies = [s for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) for s in f.body]
+    for node in dict.fromkeys(node for body in bodies for node in _walk(body)):
         for kind, part, text in variants(node):
             begin = starts[part.lineno - 1] + part.col_offset
             end = starts[(part.end_lineno or 0) - 1] + (part.end_col_offset or 0)
-            if "TYPE_CHECKING" not in text and not _joins_text(part):
+            if not _joins_text(part):
                 found.append(Fault(module, part.lineno, kind, begin, end, f"({text})"))
     return found
+
+
+def _walk(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those of texts, whose places Python 3.11 does not know, and of patterns."""
+    yield node
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(inner, ast.JoinedStr | ast.pattern):
+            yield from _walk(inner)
 
 
 def _joins_text(node: ast.expr) -> bool:
@@ -140,7 +172,8 @@ def run(words: Sequence[str], folder: Path, limit: float) -> tuple[int, float]:
     def bound() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 2))
 
-    environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    probes = str(folder.parent / "probes")
+    environment = {**os.environ, "PYTHONPATH": str(folder), "PLANTED_PROBES": probes}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(
         words, cwd=folder, env=environment, preexec_fn=bound,
@@ -151,49 +184,9 @@ def run(words: Sequence[str], folder: Path, limit: float) -> tuple[int, float]:
     return done.returncode, spent
 
 
-def make_map(target: Path, files: Sequence[str], fast: bool) -> None:
-    """Write what each test file reaches; what fails without a fault is told and left out."""
-    from coverage import CoverageData
-
-    reached: dict[str, Any] = {}
-    with tempfile.TemporaryDirectory() as place:
-        tree = Path(place).resolve() / "tree"
-        copy_of_tree(tree)
-        chosen = files or sorted(str(p.relative_to(ROOT)) for p in ROOT.glob("tests/test_*.py"))
-        data = tree / "data.coverage"
-        cover = [sys.executable, "-m", "coverage", "run", f"--data-file={data}"]
-        cover += [f"--source={tree / 'voronec'}", "-m", *PYTEST[2:]]
-        for file in chosen:
-            data.unlink(missing_ok=True)
-            status, spent = run([*cover, file, *(FAST if fast else ())], tree, 3600)
-            if status:
-                said = "nothing to run" if status == NOTHING_TO_RUN else "fails without a fault"
-                print(f"{file}: {said}", flush=True)
-                continue
-            kept = CoverageData(str(data))
-            kept.read()
-            lines = {
-                str(Path(f).relative_to(tree)): sorted(kept.lines(f) or ())
-                for f in kept.measured_files()
-            }
-            reached[file] = {"seconds": spent, "lines": lines, "fast": fast}
-            print(f"{file}: {spent:.1f} s", flush=True)
-    target.write_text(json.dumps(reached))
-
-
-def tests_of(fault: Fault, reached: dict[str, Any]) -> list[str]:
-    """Test files that run its line, those that are most about its module first."""
-
-    def part(file: str) -> float:
-        lines = reached[file]["lines"]
-        return len(lines[fault.module]) / sum(map(len, lines.values()))
-
-    meeting = [f for f, r in reached.items() if fault.line in r["lines"].get(fault.module, ())]
-    return sorted(meeting, key=part, reverse=True)
-
-
 def draw(seed: int, count: int, within: Sequence[str]) -> list[Fault]:
-    """As many faults of each kind as of any other, each in a module drawn by its size."""
+    """As many faults of each kind as of any other, each in a module drawn by its size; none
+    within another."""
     generator, by_kind = random.Random(seed), dict[str, list[Fault]]()
     for path in sorted((ROOT / "voronec").rglob("*.py")):
         module = str(path.relative_to(ROOT))
@@ -201,67 +194,105 @@ def draw(seed: int, count: int, within: Sequence[str]) -> list[Fault]:
             for fault in faults_in(module, path.read_bytes()):
                 by_kind.setdefault(fault.kind, []).append(fault)
     kinds = sorted(by_kind)
-    return [generator.choice(by_kind[kinds[i % len(kinds)]]) for i in range(count)]
+    drawn = [generator.choice(by_kind[kinds[i % len(kinds)]]) for i in range(count)]
+    ordered = sorted(drawn, key=lambda fault: (fault.module, fault.begin))
+    inner = {b for a, b in pairwise(ordered) if a.module == b.module and b.begin < a.end}
+    return [fault for fault in dict.fromkeys(drawn) if fault not in inner]
+
+
+def change(file: Path, source: bytes, moment: int) -> None:
+    """Write a module; Python compiles anew what has another time."""
+    file.write_bytes(source)
+    os.utime(file, (moment, moment))
+
+
+def reach(
+    faults: Sequence[Fault], tree: Path, words: Sequence[str], seconds: float
+) -> list[list[str]]:
+    """The tests that come by each fault, and pass without it, those of few faults first."""
+    originals = {fault.module: (tree / fault.module).read_bytes() for fault in faults}
+    probed = dict(originals)
+    for number, fault in sorted(enumerate(faults), key=lambda pair: -pair[1].begin):
+        probed[fault.module] = fault.probe_in(probed[fault.module], number)
+    for module, source in probed.items():
+        change(tree / module, source, 1)
+    run([*PYTEST, "-p", "planted_probe", *words], tree, seconds)
+    for module, source in originals.items():
+        change(tree / module, source, 2)
+    lines = (tree.parent / "probes").read_text().splitlines()
+    return tests_of(len(faults), dict.fromkeys(tuple(line.split("\t")) for line in lines))
+
+
+def tests_of(count: int, told: dict[tuple[str, ...], None]) -> list[list[str]]:
+    """Of what probes told, (number of the fault or 'fails', test), the tests of each fault."""
+    failing = {test for said, test in told if said == "fails"}
+    pairs = [(said, test) for said, test in told if test not in failing]
+    faults = Counter(test for _, test in pairs)
+    return [
+        sorted((test for said, test in pairs if said == str(n)), key=lambda t: faults[t])
+        for n in range(count)
+    ]
 
 
 def plant(
-    target: Path, seed: int, count: int, within: Sequence[str], seconds: float
+    faults: Sequence[Fault], tests: Sequence[list[str]], tree: Path, seconds: float, end: float
 ) -> Counter[str]:
     """Plant faults one after the other, and print of each what became of it."""
-    reached, told = json.loads(target.read_text()), Counter[str]()
-    with tempfile.TemporaryDirectory() as place:
-        tree = Path(place).resolve() / "tree"
-        copy_of_tree(tree)
-        for fault in draw(seed, count, within):
-            file = tree / fault.module
-            source = file.read_bytes()
-            file.write_bytes(fault.plant_in(source))
-            outcome, by = outcome_of(fault, reached, tree, seconds)
-            file.write_bytes(source)
-            told[outcome] += 1
-            print(f"{outcome:12} {fault.tell(source)}  {by}", flush=True)
+    told = Counter[str]()
+    for moment, (fault, those) in enumerate(zip(faults, tests, strict=True), 3):
+        file = tree / fault.module
+        source = file.read_bytes()
+        change(file, fault.plant_in(source), 2 * moment)
+        outcome = "not tried" if time.monotonic() > end else outcome_of(those, tree, seconds)
+        change(file, source, 2 * moment + 1)
+        told[outcome] += 1
+        print(f"{outcome:12} {fault.tell(source)}  {len(those)} tests come by", flush=True)
     return told
 
 
-def outcome_of(
-    fault: Fault, reached: dict[str, Any], tree: Path, seconds: float
-) -> tuple[str, str]:
-    """What became of a fault, and the test file that caught it."""
-    files, left = tests_of(fault, reached), seconds
-    for file in files:
-        words = [*PYTEST, file, *(FAST if reached[file]["fast"] else ())]
-        status, spent = run(words, tree, left)
-        left -= spent
-        if status and left > 0:
-            return "caught", file
-        if left <= 0:
-            return "out of time", f"after {seconds:g} s"
-    return ("missed" if files else "not reached"), f"{len(files)} test files reach it"
+def outcome_of(tests: Sequence[str], tree: Path, seconds: float) -> str:
+    """What became of a fault that is planted in the tree."""
+    if not tests:
+        return "not reached"
+    names = tree.parent / "tests"
+    for chosen in (tests, dict.fromkeys(test.partition("::")[0] for test in tests)):
+        names.write_text("\n".join(chosen))
+        status, spent = run([*PYTEST, "-x", f"@{names}"], tree, seconds)
+        seconds -= spent
+        if seconds <= 0:
+            return "out of time"
+        if status:
+            return "caught"
+    return "missed"
 
 
 def main() -> int:
-    """Make a map, or plant faults; status 1 where one of them was not caught."""
+    """Plant faults; status 1 where one of them was not caught."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    jobs = parser.add_subparsers(dest="job", required=True)
-    mapping, planting = jobs.add_parser("map"), jobs.add_parser("plant")
-    for one in (mapping, planting):
-        one.add_argument("map", type=Path)
-    mapping.add_argument("files", nargs="*")
-    mapping.add_argument("--fast", action="store_true", help="leave slow tests out")
-    planting.add_argument("--seed", type=int, default=1)
-    planting.add_argument("--count", type=int, default=60)
-    planting.add_argument("--seconds", type=float, default=120.0, help="CPU for one fault")
-    planting.add_argument("--within", nargs="*", default=[], help="parts of voronec/")
+    parser.add_argument("files", nargs="*", help="of tests")
+    parser.add_argument("--fast", action="store_true", help="leave slow tests out")
+    parser.add_argument("--jobs", type=int, default=1, help="processes of the first run")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--hours", type=float, default=2.0, help="in all")
+    parser.add_argument("--seconds", type=float, default=120.0, help="CPU for one fault")
+    parser.add_argument("--within", nargs="*", default=[], help="parts of voronec/")
     chosen = parser.parse_args()
-    if chosen.job == "map":
-        if find_spec("coverage") is None:
-            parser.error("coverage is not installed; 'pip install coverage' gets it")
-        make_map(chosen.map, chosen.files, chosen.fast)
-        return 0
-    told = plant(chosen.map, chosen.seed, chosen.count, chosen.within, chosen.seconds)
+    limit = 3600 * chosen.hours
+    end = time.monotonic() + limit
+    faults = draw(chosen.seed, chosen.count, chosen.within)
+    words = [*chosen.files, *(("-m", "not slow") if chosen.fast else ())]
+    if chosen.jobs > 1:
+        words += ["-n", str(chosen.jobs), "--dist", "worksteal"]
+    with tempfile.TemporaryDirectory() as place:
+        tree = Path(place).resolve() / "tree"
+        copy_of_tree(tree)
+        (tree / "planted_probe.py").write_text(PROBE)
+        tests = reach(faults, tree, words, limit)
+        told = plant(faults, tests, tree, chosen.seconds, end)
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(told.items()))
-    print(f"seed {chosen.seed}, {chosen.count} faults: {counts}")
-    return int(told["caught"] < chosen.count)
+    print(f"seed {chosen.seed}, {len(faults)} faults: {counts}")
+    return int(told["caught"] < len(faults))
 
 
 if __name__ == "__main__":

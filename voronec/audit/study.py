@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
+from operator import is_
 from typing import Any
 
 import sympy as sp
 
+from voronec.algebra.memo import remember
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.audit.latex.nodes import Dot, Name, Node, Number, Product, Sum, Variation
@@ -43,6 +45,29 @@ class Range:
     real: tuple[sp.Symbol, ...] = ()
     source: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Replacement:
+    """What stands for what in SymPy's expressions and matrices: ``xreplace``, but what is shared
+    within one, or stands in several, is worked on once."""
+
+    rules: Mapping[sp.Expr, sp.Expr]
+
+    def __call__(self, value: Any) -> Any:
+        """The value with what stands for what; what is no expression stays what it is."""
+        if not self.rules or not hasattr(value, "xreplace"):
+            return value
+        return value.applyfunc(self._in) if isinstance(value, sp.MatrixBase) else self._in(value)
+
+    @cached_property
+    def _known(self) -> dict[Any, Any]:
+        return dict(self.rules)
+
+    @remember("_known")
+    def _in(self, expr: Any) -> Any:
+        args = [self._in(part) for part in expr.args]
+        return expr if all(map(is_, args, expr.args)) else expr.func(*args)
 
 
 @dataclass(frozen=True)
@@ -95,11 +120,19 @@ class Motion:
 
     def restrict(self, value: Any) -> Any:
         """A value on the constraints."""
-        return value.xreplace(dict(self.constrained)) if hasattr(value, "xreplace") else value
+        return self._onto_constraints(value)
 
     def along(self, value: Any) -> Any:
         """A value on the constraints and along the motion."""
-        return self.restrict(value.xreplace(dict(self.accelerations)))
+        return self.restrict(self._onto_motion(value))
+
+    @cached_property
+    def _onto_constraints(self) -> Replacement:
+        return Replacement(self.constrained)
+
+    @cached_property
+    def _onto_motion(self) -> Replacement:
+        return Replacement(self.accelerations)
 
     def derivative(self, value: Any) -> Any:
         """The total time derivative, on the constraints.
