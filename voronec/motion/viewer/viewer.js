@@ -75,8 +75,8 @@ function patchGeometry(place, ranges, box, colours, turns) {
     const ends = [0, 1].map((j) => [Math.floor(box.low[j] / step) - 1, Math.ceil(box.high[j] / step) + 1]);
     const most = Math.max(...ends.flat().map(Math.abs));
     spans = ends.map((pair) => (turns ? [-most, most] : pair).map((n) => n * step));
-    cells = spans.map((s) => 2 * Math.round((s[1] - s[0]) / step));
-    every = [1, 1];
+    cells = spans.map((s) => 6 * Math.round((s[1] - s[0]) / step));
+    every = [3, 3];
   } else {
     cells = ranges.map(([from, to]) => (to - from > 6 ? 48 : to - from > 3 ? 24 : 12));
     every = cells.map((count) => (count === 48 ? 4 : 3));
