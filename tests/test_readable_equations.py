@@ -156,6 +156,8 @@ def test_a_false_identity_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_latex_is_set_as_a_book_sets_it() -> None:
     text = vo.derive(vo.load("sleigh")).latex(names=True)
     assert r"(J + m a^2) \dot w &= -m a v w" in text and r"\dot x &= v \cos\phi" in text
+    text = vo.derive(vo.load("two-wheeled-carriage")).latex(names=True)
+    assert r"\dot{\mathrm{left}} &=" in text and r"\dot\mathrm" not in text  # which TeX cannot set
     text = vo.derive(vo.load("ball-on-paraboloid")).latex(names=True)
     assert text.startswith(r"\begin{align}") and r"\text{where}\quad" in text
     for word in (r"\frac{d}{d t}", r"{\left(\phi", r"\operatorname", "sqrt("):

@@ -225,15 +225,13 @@ def test_a_film_has_its_frames(run: vo.Trajectory, tmp_path: Path) -> None:
 def test_films_that_cannot_be_are_refused_before_any_work(
     demchenko: vo.System, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from matplotlib.animation import FFMpegWriter
-
     from voronec.motion.pictures.scene_film import check_film
 
     bare = vo.System(
         name="bare", fibration=vo.Fibration(sp.Symbol("x")),
         lagrangian=vo.velocity(sp.Symbol("x")) ** 2,
     )  # fmt: skip
-    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    monkeypatch.setattr("voronec.motion.pictures.scene_film.ffmpeg_program", lambda: "")
     for system, target, words in (
         (bare, "a.gif", "has no shape to be viewed"),
         (demchenko, "a.doc", "no film; write"),

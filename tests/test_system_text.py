@@ -404,6 +404,14 @@ position = ["a", "b", "R*a^2"]
 ranges = [[-1, 1], [0, "2*pi"]]
 role = "ground"
 title = "hill"
+[[shapes]]
+kind = "surface"
+coordinates = ["x", "y"]
+position = "R*x*y"
+[[shapes]]
+kind = "blade"
+length = "R"
+attitude = "phi"
 """
 
 
@@ -418,6 +426,8 @@ def test_shapes_are_those_of_python(tmp_path: Path) -> None:
         vo.Shape.surface(
             (a, b), (a, b, R * a**2), ((-1, 1), (0, float(2 * sp.pi))), role="ground", title="hill"
         ),
+        vo.Shape.surface((x, y), (x, y, R * x * y)),
+        vo.Shape.blade(R, attitude=phi),
     )
 
 

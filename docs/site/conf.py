@@ -22,7 +22,8 @@ html_theme = "furo"
 html_title = "Voronec"
 html_copy_source = False
 html_show_sphinx = False
-html_static_path: list[str] = []
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
 
 # Formulas are drawn by one file that is copied into the site: a reader needs no network.
 MATHJAX = "tex-svg-full.js"

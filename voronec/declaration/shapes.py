@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,8 +26,15 @@ class Patch:
     """A piece of a surface: three functions of ``MESH`` and of parameters, and the ranges of the
     two, pairs of numbers; None for what has no end."""
 
-    position: tuple[sp.Expr, ...]
+    position: tuple[Any, ...]
     ranges: tuple[Any, Any] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", _three(self.position, "the position of a shape"))
+
+    def placed(self, place: Callable[..., tuple[Any, ...]]) -> Patch:
+        """The piece with its three functions taken elsewhere."""
+        return Patch(place(*self.position), self.ranges)
 
 
 @dataclass(frozen=True)
@@ -134,6 +141,36 @@ class Shape:
         return cls(tuple(faces), **placed)
 
     @classmethod
+    def rod(cls, length: Any, radius: Any = None, **placed: Any) -> Shape:
+        """A rod along its first axis, about its middle; by default twenty times as long as wide."""
+        round_ = cls.disc(length / 40 if radius is None else radius, length).patches
+        return cls(tuple(p.placed(lambda x, y, z: (z, x, y)) for p in round_), **placed)
+
+    @classmethod
+    def blade(cls, length: Any, **placed: Any) -> Shape:
+        """A blade along its first axis, as of a skate, that stands on its centre."""
+        upright = cls.box((length, length / 40, length / 4)).patches
+        return cls(
+            tuple(p.placed(lambda x, y, z: (x, y, z + length / 8)) for p in upright), **placed
+        )
+
+    @classmethod
+    def cart(cls, length: Any, **placed: Any) -> Shape:
+        """A cart that drives along its first axis, its centre on the ground between four wheels; it
+        is half as wide as long, and its top is half as high as it is long."""
+        radius, top = length / 8, cls.box((length, length / 2, length / 4)).patches
+        parts = [p.placed(lambda x, y, z: (x, y, z + 3 * radius)) for p in top]
+        for side in UNIT:
+            for end in UNIT:
+                at = (end * length / 3, side * length / 4)
+                round_ = cls.disc(radius).patches
+                parts += [
+                    p.placed(lambda x, y, z, at=at: (x + at[0], z + at[1], y + radius))
+                    for p in round_
+                ]
+        return cls(tuple(parts), **placed)
+
+    @classmethod
     def plane(cls, **placed: Any) -> Shape:
         """The plane z = 0, as far as the motion goes."""
         return cls((Patch((a, b, sp.Integer(0))),), **{"role": "ground", **placed})
@@ -147,8 +184,11 @@ class Shape:
         **placed: Any,
     ) -> Shape:
         """Any surface by its ``position``, three functions of two coordinates, whose ``ranges`` are
-        two pairs of numbers; without them it goes as far as the motion."""
+        two pairs of numbers; without them it goes as far as the motion.  One function f of x and y
+        is the surface z = f(x, y)."""
         named = dict(zip(coordinates, MESH, strict=True))
+        if not isinstance(position, sp.MatrixBase | list | tuple):
+            position = (*coordinates, position)
         parts = _three(position, "the position of a shape")
         pairs = None if ranges is None else (tuple(ranges[0]), tuple(ranges[1]))
         return cls((Patch(tuple(e.xreplace(named) for e in parts), pairs),), **placed)

@@ -158,7 +158,7 @@ class Sketch:
             for stroke in self.strokes:
                 DRAWERS[stroke.kind](axes, stroke)
             if self.view:
-                axes.set_title(self.view, fontsize=8.5, color=SOFT, loc="left")
+                axes.set_title(self.view, fontsize=9, color=SOFT, loc="left")
             axes.margins(0.06)
             axes.autoscale_view()
             spans = axes.dataLim.width, axes.dataLim.height

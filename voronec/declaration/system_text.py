@@ -442,7 +442,8 @@ class _Text:
             return tuple(self._formula(e, local) for e in self._long(part, 3))
 
         readers = {
-            **dict.fromkeys(("axes", "lengths", "position", "centre", "contact"), three),
+            **dict.fromkeys(("axes", "lengths", "centre", "contact"), three),
+            "position": lambda part: (three if isinstance(part.value, list) else plain)(part),
             "coordinates": lambda part: tuple(sp.Symbol(e.text()) for e in self._long(part, 2)),
             "ranges": lambda part: tuple(map(self._pair, self._long(part, 2))),
             "attitude": self._attitude,

@@ -302,7 +302,9 @@ class FormSearch:
         elif atom in self.texts or atom in self.dots:
             name, dots = name[:-3], 1
         text = symbol_latex(name)
-        return text if not dots else rf"\{'d' * dots}ot" + ("" if text[0] == "\\" else " ") + text
+        if dots and text.startswith("\\mathrm"):  # a dot takes one letter, or what is in braces
+            text = f"{{{text}}}"
+        return text if not dots else rf"\{'d' * dots}ot" + (" " * text[0].isalpha()) + text
 
     # -- drafts -------------------------------------------------------------------------------
 

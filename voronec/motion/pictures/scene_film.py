@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
+from shutil import which
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -258,7 +260,7 @@ def film(
     """Write a film, and return what was written.
 
     target
-        FILE.gif, FILE.webp; FILE.mp4, where the program ffmpeg is installed; or FILE.png, FILE.svg
+        FILE.gif, FILE.webp; FILE.mp4, where ``ffmpeg_program`` is there; or FILE.png, FILE.svg
         for single frames FILE-0001.png and so on.
     frames, rate
         how many, spread evenly over the run, and how many in a second.
@@ -270,7 +272,8 @@ def film(
     from matplotlib import rc_context
 
     writer, dated = _writer(target, rate), {"Date": None} if target.suffix == ".svg" else None
-    with rc_context({**STYLE, "svg.hashsalt": "voronec"}):
+    own = {"svg.hashsalt": "voronec", "animation.ffmpeg_path": ffmpeg_program()}
+    with rc_context(STYLE | own):
         figure, panel = _stage(shown.trajectory.system)
         chosen = np.unique(np.linspace(0, len(shown.trajectory.t) - 1, frames).astype(int))
         written = [target] if writer else []
@@ -309,11 +312,24 @@ def _writer(target: Path, rate: int) -> Any:
         raise DefinitionError(
             f"'{target}' is no film; write FILE.gif, FILE.webp, FILE.mp4, or FILE.png"
         )
-    if not animation.FFMpegWriter.isAvailable():
+    if not ffmpeg_program():
         raise DefinitionError(
-            f"'{target}' needs the program ffmpeg, which is not installed; write FILE.gif instead"
+            f"'{target}' needs the program ffmpeg, which is not installed; install it, or the "
+            "package with it, pip install 'voronec[film]', or write FILE.gif"
         )
     return animation.FFMpegWriter(fps=rate)
+
+
+def ffmpeg_program() -> str:
+    """Where the program ffmpeg is: the machine's, else that of the package imageio-ffmpeg; empty
+    where there is neither."""
+    found = which("ffmpeg")
+    if found is None:
+        try:
+            found = import_module("imageio_ffmpeg").get_ffmpeg_exe()
+        except (ImportError, RuntimeError):  # the package is not there, or has no program here
+            return ""
+    return str(found)
 
 
 def _stage(system: System) -> tuple[Any, Any]:

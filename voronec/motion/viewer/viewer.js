@@ -75,8 +75,8 @@ function patchGeometry(place, ranges, box, colours, turns) {
     const ends = [0, 1].map((j) => [Math.floor(box.low[j] / step) - 1, Math.ceil(box.high[j] / step) + 1]);
     const most = Math.max(...ends.flat().map(Math.abs));
     spans = ends.map((pair) => (turns ? [-most, most] : pair).map((n) => n * step));
-    cells = spans.map((s) => 2 * Math.round((s[1] - s[0]) / step));
-    every = [1, 1];
+    cells = spans.map((s) => 6 * Math.round((s[1] - s[0]) / step));
+    every = [3, 3];
   } else {
     cells = ranges.map(([from, to]) => (to - from > 6 ? 48 : to - from > 3 ? 24 : 12));
     every = cells.map((count) => (count === 48 ? 4 : 3));
@@ -240,34 +240,34 @@ function inTwoColours() {
 }
 
 // Places of the eye all about, each as near as the traces need to span a third of the height, and
-// moved towards their middle by as much; those from afar come first, and close to bodies there are
-// none but where these are of glass.
+// moved towards their middle by as much; those from afar come first. None is nearer than 0.3 of the
+// distance that shows all of the motion: there one would see traces, and no bodies.
 function placesAbout(place, points) {
   const ends = [0, 1, 2].map((j) => points.map((at) => at[j])).map((xs) => (Math.min(...xs) + Math.max(...xs)) / 2);
   const found = [];
   for (const height of [0.45, 0.8, 0.2, 1.2]) for (const k of [0, 4, 2, 6, 1, 5, 3, 7]) {
     const stands = (near) => ({ turn: place.turn + (k * Math.PI) / 4, height, far: near * place.far, middle: one("follow").checked ? place.middle : place.middle.map((c, j) => near * c + (1 - near) * ends[j]) });
     let near = 1;
-    while (near > 0.05 && spanFrom(stands(near), points) < 0.36) near *= 0.9;
+    while (near > 0.3 && spanFrom(stands(near), points) < 0.36) near *= 0.9;
     found.push({ near: Math.min(near, 0.6), ...stands(near) });
   }
-  return found.filter(({ near }) => through || near > 0.3).sort((a, b) => b.near - a.near);
+  return found.sort((a, b) => b.near - a.near);
 }
 
-// Where the eye stands at first: from the first place that sees most of the traces, else from that
-// which sees most of them.
+// Where the eye stands at first: the first place whose worth is 2, as the traces span a third of the
+// height from there and most of them is seen, else the best.
 function firstPlace(motion, place, points) {
   const undo = inTwoColours(), at = now.at;
   now.at = firstInstant(motion);
   placeBodies();
   eye.aspect = SMALL[0] / SMALL[1];
   eye.updateProjectionMatrix();
-  let best = { ...place, seen: 0 };
+  let best = { ...place, worth: 0 };
   for (const there of placesAbout(place, points)) {
-    if (best.seen > 0.65) break;
+    if (best.worth === 2) break;
     stand(there);
-    const seen = shareSeen();
-    if (seen > best.seen) best = { ...there, seen };
+    const worth = Math.min(spanFrom(there, points) / 0.36, 1) + Math.min(shareSeen() / 0.65, 1);
+    if (worth > best.worth) best = { ...there, worth };
   }
   now.at = at;
   undo();
@@ -344,7 +344,7 @@ function build(motion) {
     }
     const points = tracePoints(motion, firstInstant(motion));
     if (points.length) home = firstPlace(motion, home, points);
-    if (home.seen < 0.55 && !through) {
+    if (home.worth < 1.5 && !through) {
       [home, through] = [null, true];
       build(motion);
       return;
