@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
 
 from voronec.audit.comparisons import value_of
-from voronec.audit.contents import has_accelerations, is_linear, lone_name, solve_for, value_or_none
+from voronec.audit.contents import (
+    constant_in,
+    has_accelerations,
+    is_linear,
+    lone_name,
+    solve_for,
+    value_or_none,
+)
 from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Chain, Name, Node
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import unknown_names
+from voronec.audit.letters import spelled, unknown_names
 from voronec.audit.meaning import SENSELESS
 from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.record import FormulaRecord
@@ -35,12 +43,14 @@ class Introductions:
 
     ``study``: the dictionary, which grows by it.  ``records``: the verdicts on formulas that
     introduce something, by their numbers.  ``defined_at``: what introduces a letter.
+    ``constants``: free constants of integrals.
     """
 
     claims: Sequence[PrintedClaim]
     study: Study
     records: dict[int, FormulaRecord] = field(default_factory=dict)
     defined_at: dict[str, PrintedClaim] = field(default_factory=dict)
+    constants: set[str] = field(default_factory=set)
 
     @classmethod
     def of(cls, claims: Sequence[PrintedClaim], study: Study) -> Introductions:
@@ -61,6 +71,12 @@ class Introductions:
                 unknown = unknown_names(claim.chain, self.study)
                 if unknown and self._define_by(number, claim, unknown):
                     changed = True
+            changed = changed or any(
+                self._free_constant(number, claim, pair)
+                for number, claim in enumerate(self.claims)
+                if claim.chain is not None and {*claim.chain.relations} == {"="}
+                for pair in pairwise(claim.chain.parts)
+            )
 
     def _define_by(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
         """Whether a formula is taken for a definition, or for an integral with its constant."""
@@ -92,6 +108,26 @@ class Introductions:
             return True
         return False
 
+    def _free_constant(self, number: int, claim: PrintedClaim, pair: tuple[Node, Node]) -> bool:
+        """Whether two sides say what a constant is, in which they are linear, as v = g t + C."""
+        unknown = unknown_names(Chain(pair, ("=",)), self.study)
+        if len(unknown) != 1 or self.is_forced(unknown):
+            return False
+        value, verdict = constant_in(pair, unknown[0], self.study)
+        if verdict is None or not verdict.proved:
+            return False
+        self.study = replace(self.study, names={**self.study.names, unknown[0]: value})
+        if value.free_symbols & {*self.study.motion.rates}:
+            self.constants.add(unknown[0])
+            told = "proved", GROUNDS["integral"]
+        else:
+            told = "definition", f"it introduces {unknown[0]}"
+        if claim.chain is not None and len(claim.chain.parts) == 2:
+            self.records[number] = FormulaRecord(
+                claim.formula.printed, *told, source=self.study.origin
+            )
+        return True
+
     def is_forced(self, unknown: Sequence[str]) -> bool:
         """Whether letters stand for multipliers or reactions."""
         return any(letter in self.forces for letter in unknown)
@@ -108,7 +144,17 @@ class Introductions:
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
                     found.add(letter)
-        return frozenset(found)
+        return frozenset(found - {*self._parametric()})
+
+    def _parametric(self) -> Iterator[str]:
+        """Letters that the paper says are functions of parameters."""
+        moving = {*self.study.motion.rates, *self.study.motion.rates.values()}
+        for claim in self.claims:
+            parts = claim.chain.parts if claim.chain is not None else ()
+            values = [value_or_none(value_of, part, self.study, {}) for part in parts]
+            held = [getattr(value, "free_symbols", set()) for value in values]
+            if any(symbols and not symbols & moving for symbols in held):
+                yield from (spelled(part) for part in parts if isinstance(part, Name))
 
     def _is_constant(self, part: Node) -> bool:
         """Whether a part keeps its value along every motion."""

@@ -87,7 +87,7 @@ def claim_in_words(
 
 _APPLIED = re.compile(
     r"\s*(?P<name>(?:\\(?:mathbf|boldsymbol|mathcal|mathrm)\s*)?\{?\\?[a-zA-Z]+\}?(?:_\w|_\{\w+\})?)"
-    r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=(?!.*=)",
+    r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=",
     re.DOTALL,
 )
 r"""A letter with its arguments on a left side, ``M(q) = ...``."""
@@ -105,7 +105,9 @@ def applied_letters(document: Document, study: Study) -> set[str]:
                 name = study.tree(match["name"])
             except DefinitionError:
                 continue
-            if isinstance(name, Name) and key_of(name) not in study.table:
+            factor = re.escape(match["name"].strip()) + r"\s*\([^()]*[-+][^()]*\)"  # mu(x - x_0)
+            multiplies = re.search(factor, document.body.text)
+            if isinstance(name, Name) and key_of(name) not in study.table and not multiplies:
                 found.add(name.head)
     return found
 
