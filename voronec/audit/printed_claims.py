@@ -105,9 +105,8 @@ def applied_letters(document: Document, study: Study) -> set[str]:
                 name = study.tree(match["name"])
             except DefinitionError:
                 continue
-            factor = re.escape(match["name"].strip()) + r"\s*\([^()]*[-+][^()]*\)"  # mu(x - x_0)
-            multiplies = re.search(factor, document.body.text)
-            if isinstance(name, Name) and key_of(name) not in study.table and not multiplies:
+            plain = re.search(re.escape(match["name"].strip()) + r"\s*=", document.body.text)
+            if isinstance(name, Name) and key_of(name) not in study.table and not plain:
                 found.add(name.head)
     return found
 
