@@ -86,27 +86,29 @@ class Introductions:
         parts = [(part, unknown_names(part, self.study)) for part in chain.parts]
         known = [part for part, names in parts if not names]
         lone = [part for part, _ in parts if lone_name(part) is not None and part not in known]
-        if len(unknown) == 1 and known and lone:
-            name, value = solve_for(lone[0], known[0])
-            if name is None:
-                return False
-            first = parts[0][0] is lone[0]
-            if not first and isinstance(known[0], Name) and not self._is_constant(known[0]):
-                return False  # v = v_0 says something of a state
-            if not first and self._is_constant(known[0]):
-                self.records[number] = FormulaRecord(
-                    claim.formula.printed, "proved", GROUNDS["integral"], source=self.study.origin
-                )
-            elif not first and (INTEGRAL.search(claim.sentence) or not isinstance(lone[0], Name)):
-                return False  # judged as an integral
-            else:
-                self.records[number] = FormulaRecord(
-                    claim.formula.printed, "definition", f"it introduces {unknown[0]}"
-                )
-            self.study = self.study.join({key_of(name): value})
-            self.defined_at[key_of(name)] = claim
-            return True
-        return False
+        name, value = (
+            solve_for(lone[0], known[0]) if len(unknown) == 1 and known and lone else (None, None)
+        )
+        if name is None:
+            return False
+        second = parts[0][0] is not lone[0]
+        constant = second and self._is_constant(known[0])
+        state = second and isinstance(known[0], Name)  # v = v_0 says something of a state
+        judged = second and (INTEGRAL.search(claim.sentence) or not isinstance(lone[0], Name))
+        if (state or judged) and not constant:
+            return False
+        self._tell(number, "" if constant else unknown[0])
+        self.study = self.study.join({key_of(name): value})
+        self.defined_at[key_of(name)] = claim
+        return True
+
+    def _tell(self, number: int, letter: str = "") -> None:
+        """Record that a formula introduces a letter, or is an integral with its free constant."""
+        printed, told = self.claims[number].formula.printed, f"it introduces {letter}"
+        self.records[number] = FormulaRecord(printed, "definition", told)
+        if not letter:
+            ground, source = GROUNDS["integral"], self.study.origin
+            self.records[number] = FormulaRecord(printed, "proved", ground, source=source)
 
     def _free_constant(self, number: int, claim: PrintedClaim, pair: tuple[Node, Node]) -> bool:
         """Whether two sides say what a constant is, in which they are linear, as v = g t + C."""
@@ -117,15 +119,10 @@ class Introductions:
         if verdict is None or not verdict.proved:
             return False
         self.study = replace(self.study, names={**self.study.names, unknown[0]: value})
-        if value.free_symbols & {*self.study.motion.rates}:
-            self.constants.add(unknown[0])
-            told = "proved", GROUNDS["integral"]
-        else:
-            told = "definition", f"it introduces {unknown[0]}"
+        moving = value.free_symbols & {*self.study.motion.rates}
+        self.constants |= {unknown[0]} if moving else set()
         if claim.chain is not None and len(claim.chain.parts) == 2:
-            self.records[number] = FormulaRecord(
-                claim.formula.printed, *told, source=self.study.origin
-            )
+            self._tell(number, "" if moving else unknown[0])
         return True
 
     def is_forced(self, unknown: Sequence[str]) -> bool:
@@ -189,9 +186,7 @@ class Introductions:
             value = -(gap - slope * mine[0]) / slope
             values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()} | {mine[0]: value}
             letter = next(k for k, s in symbols.items() if s == mine[0])
-            self.records[number] = FormulaRecord(
-                claim.formula.printed, "definition", f"it says what {letter} is"
-            )
+            self._tell(number, letter)
             self.defined_at[letter] = claim
         solved = {k: values[s] for k, s in symbols.items() if s in values}
         solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}

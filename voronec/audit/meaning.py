@@ -496,10 +496,6 @@ def _product(node: Product, study: Study, where: Where) -> Any:
     return value
 
 
-def _matrix(node: Matrix, study: Study, where: Where) -> Any:
-    return sp.Matrix([[evaluate(cell, study, where) for cell in row] for row in node.rows])
-
-
 _CONDITIONS: dict[str, Any] = {
     "=": sp.Eq, "<": sp.Lt, ">": sp.Gt, "\\ne": sp.Ne, "\\neq": sp.Ne, "\\le": sp.Le,
     "\\leq": sp.Le, "\\ge": sp.Ge, "\\geq": sp.Ge,
@@ -555,7 +551,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
     Call: _call,
     Cross: _cross,
-    Matrix: _matrix,
+    Matrix: lambda n, s, w: sp.Matrix([[evaluate(cell, s, w) for cell in row] for row in n.rows]),
     Cases: _cases,
     Listing: _listing,
     Partial: _partial,
