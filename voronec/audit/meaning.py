@@ -416,7 +416,7 @@ def _is_velocity(node: Node, value: Any, study: Study) -> bool:
     """Whether a name stands for what is linear in the velocities, as a component of omega is:
     energies, whose derivatives by velocities are partial ones, do not."""
     rates = study.motion.rates
-    moving = {*rates, *rates.values()} - {s for s in rates if velocity(s) != rates[s]}
+    moving = {rate for rate in rates.values() if rate.is_Symbol} | study.motion.quasi
     held = sorted(value.free_symbols & moving, key=str)
     return (
         isinstance(node, Name)
