@@ -159,6 +159,28 @@ def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
     assert verdicts(audit(tmp_path, TRUE + text))[-1 if "for" not in text else 2] == verdict
 
 
+def test_a_model_in_matrices_is_proved_and_an_error_in_it_is_found(tmp_path):
+    text = (HERE / "papers" / "aside" / "in_matrices.tex").read_text("utf-8")
+    found = verdicts(audit(tmp_path, text))
+    assert found.count("definition") == 8
+    assert found.count("proved") == len(found) - 8 == 6
+    found = audit(tmp_path, text.replace(r"\\ ma\omega", r"\\ -ma\omega"))
+    (wrong,) = found.errata
+    assert wrong.printed.startswith(r"\mathbf C(")
+    assert verdicts(found).count("convention") == 2  # all formulas with C fail
+
+
+def test_a_vector_equation_gives_multipliers_and_is_compared(tmp_path):
+    rows = [r"\dot\phi^2\cos\phi\\ \ddot y", r"\dot\phi^2\sin\phi\\ \ddot y"]
+    text = (
+        r"Here $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. With the reaction $\lambda$ "
+        r"\[ m\begin{pmatrix}\ddot x-a\ddot\phi\sin\phi-a%s"
+        r"+a\ddot\phi\cos\phi-a\dot\phi^2\sin\phi\end{pmatrix}-\begin{pmatrix}\sin\phi\\-\cos\phi\end{pmatrix}\lambda=0. \]"
+    )
+    found = [verdicts(audit(tmp_path, text % row))[-1] for row in rows]
+    assert found == ["proved", "misprint"]
+
+
 def test_a_definition_is_accused_where_all_fails_that_uses_it(tmp_path):
     text = (
         r"We have $\dot v=a\omega^2$, $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. Set $I=J+ma$. "

@@ -139,9 +139,8 @@ class ClaimJudge:
             if case.holds(chain):
                 method = f"true for {case.said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
-        for letter in (spelled(name) for name in names_in(chain)):
-            if letter in self.introductions.constants:
-                return FormulaRecord(printed, "not read", f"{letter} may be another constant here")
+        if self.introductions.constants & {spelled(name) for name in names_in(chain)}:
+            return FormulaRecord(printed, "not read", "its constant may be another one here")
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:
             reason = f"false in general, and for {cases[-1].said}, which its sentence names"

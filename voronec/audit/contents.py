@@ -47,15 +47,11 @@ def values_of(parts: Sequence[Node], study: Study) -> list[Any]:
 def has_accelerations(chain: Chain, study: Study) -> bool:
     """Whether rates of velocities stand in a formula."""
     dots = {*study.motion.accelerations}
-    for part in chain.parts:
-        for node in walk(part):
-            if isinstance(node, (Dot, Derivative, Differential)):
-                value = value_or_none(evaluate, node, study)
-                order = getattr(node, "order", 1)
-                if order > 1 or (
-                    value is not None and getattr(value, "free_symbols", set()) & dots
-                ):
-                    return True
+    for node in walk(chain):
+        if isinstance(node, (Dot, Derivative, Differential)):
+            value = value_or_none(evaluate, node, study)
+            if getattr(node, "order", 1) > 1 or getattr(value, "free_symbols", set()) & dots:
+                return True
     return False
 
 

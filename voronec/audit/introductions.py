@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from voronec.audit.comparisons import value_of
+from voronec.audit.comparisons import as_vectors, value_of
 from voronec.audit.contents import (
     constant_in,
     has_accelerations,
@@ -24,7 +24,6 @@ from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Chain, Name, Node
 from voronec.audit.lessons.judgement import GROUNDS
 from voronec.audit.letters import spelled, unknown_names
-from voronec.audit.meaning import SENSELESS
 from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.record import FormulaRecord
 from voronec.audit.study import Study, key_of
@@ -160,34 +159,37 @@ class Introductions:
         return outcome is not None and outcome.verdict.proved
 
     def _multipliers(self) -> None:
-        """The values of multipliers, each from the first equation that has it."""
+        """The values of multipliers, each from the first equation that has it; a vector equation
+        has several."""
         symbols = {letter: sp.Dummy(letter) for letter in sorted(self.forces)}
-        if not symbols:
-            return
         study = replace(self.study, names={**self.study.names, **symbols})
         values: dict[Any, Any] = {}
-        for number, claim in enumerate(self.claims):
+        for number, claim in enumerate(self.claims if symbols else ()):
             if claim.chain is None or number in self.records or len(claim.chain.parts) != 2:
                 continue
             unknown = unknown_names(claim.chain, self.study)
             if not unknown or not {*unknown} <= symbols.keys():
                 continue
-            try:
-                left, right = (
-                    study.motion.along(value_of(p, study, {})) for p in claim.chain.parts
-                )
-                gap = sp.expand((left - right).xreplace(values))
-            except SENSELESS:
-                continue
-            mine = [s for s in symbols.values() if gap.has(s)]
-            if not mine or not is_linear(gap, mine):
-                continue
-            slope = sp.diff(gap, mine[0])
-            value = -(gap - slope * mine[0]) / slope
-            values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()} | {mine[0]: value}
-            letter = next(k for k, s in symbols.items() if s == mine[0])
-            self._tell(number, letter)
-            self.defined_at[letter] = claim
+            gaps = value_or_none(_gaps, claim.chain.parts, study) or []
+            found = 0
+            for gap in gaps:
+                gap = sp.expand(gap.xreplace(values))
+                mine = [s for s in symbols.values() if gap.has(s)]
+                if not mine or not is_linear(gap, mine):
+                    continue
+                value = -gap.xreplace({mine[0]: sp.S.Zero}) / sp.diff(gap, mine[0])
+                values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()}
+                values[mine[0]], found = value, found + 1
+                letter = next(k for k, s in symbols.items() if s == mine[0])
+                self.defined_at[letter] = claim
+            if found and found == len(gaps):
+                self._tell(number, letter)
         solved = {k: values[s] for k, s in symbols.items() if s in values}
         solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}
         self.study = replace(self.study, names={**self.study.names, **solved})
+
+
+def _gaps(parts: Sequence[Node], study: Study) -> list[Any]:
+    """What vanishes along the motion where two sides are equal, component by component."""
+    left, right = as_vectors(*(study.motion.along(value_of(part, study, {})) for part in parts))
+    return [*(left - right)] if isinstance(left, sp.MatrixBase) else [left - right]

@@ -100,14 +100,15 @@ def _call(node: Call, study: Study, where: Where) -> Any:
         if vectors is not None:
             return value * vectors[0].dot(vectors[1])  # a constant before a scalar product
     listed = _listed_symbols(node.arguments, study, where)
+    if isinstance(value, sp.MatrixBase):
+        return value  # M(q), where M may be constant for this system
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
             f"'{_kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
             "its list of arguments leaves out"
         )
-    constant = isinstance(value, sp.MatrixBase)  # M(q), where M is constant for this system
-    if listed and value.free_symbols and not (listed & value.free_symbols or constant):
+    if listed and value.free_symbols and not listed & value.free_symbols:
         kind = Misprint if isinstance(node.function, Name) else Unfamiliar  # no rate: its value
         raise kind(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
     return value

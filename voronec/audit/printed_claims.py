@@ -97,10 +97,10 @@ r"""A letter with its arguments on a left side, ``M(q) = ...``."""
 def applied_letters(document: Document, study: Study) -> set[str]:
     """The letters that the paper defines with their arguments, and the system does not have."""
     found = set()
-    printed = (source_of(p, unit.display) for d in document.displays for _, unit, p in d.formulas)
+    printed = [source_of(p, unit.display) for d in document.displays for _, unit, p in d.formulas]
     for match in filter(None, map(_APPLIED.match, printed)):
         name = value_or_none(study.tree, match["name"])
-        plain = re.search(re.escape(match["name"].strip()) + r"\s*=", document.body.text)
+        plain = any(re.match(re.escape(match["name"].strip()) + r"\s*=", text) for text in printed)
         own = isinstance(name, Name) and key_of(name) not in study.table
         found |= {name.head} if own and not plain and match["first"].strip() != "t" else set()
     return found
