@@ -175,7 +175,8 @@ def test_a_vector_equation_gives_multipliers_and_is_compared(tmp_path):
     text = (
         r"Here $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. With the reaction $\lambda$ "
         r"\[ m\begin{pmatrix}\ddot x-a\ddot\phi\sin\phi-a%s"
-        r"+a\ddot\phi\cos\phi-a\dot\phi^2\sin\phi\end{pmatrix}-\begin{pmatrix}\sin\phi\\-\cos\phi\end{pmatrix}\lambda=0. \]"
+        r"+a\ddot\phi\cos\phi-a\dot\phi^2\sin\phi\end{pmatrix}"
+        r"-\begin{pmatrix}\sin\phi\\-\cos\phi\end{pmatrix}\lambda=0. \]"
     )
     found = [verdicts(audit(tmp_path, text % row))[-1] for row in rows]
     assert found == ["proved", "misprint"]
