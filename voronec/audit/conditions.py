@@ -23,9 +23,9 @@ from voronec.audit.verify import verify
 
 _CONDITIONS = re.compile(
     r"\b(if|when|whenever|unless|provided|suppos\w*|assum\w*|absence"
-    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
-    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
-    r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
+    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*"
+    r"|(?<!is )(?<!are )at rest|at the (?:initial|moment|instant)|initial\w*|steady|stationary"
+    r"|equilibri\w*|lineari[sz]\w*|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
     r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
     r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
     r"|free (?:body|motion)|holonomic case|substitutes? (?:the )?variables?|new variables?"
@@ -97,10 +97,10 @@ def special_cases(
             found.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
         beside = other.display.sentence == claim.display.sentence and other is not claim
-        equality = other.chain is not None and {*other.chain.relations} == {"="}
-        if not beside or not equality or SpecialCase("", study).holds(other.chain):
+        chain = other.chain if beside else None
+        if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
             continue
-        values = value_or_none(values_of, other.chain.parts, study)
+        values = value_or_none(values_of, chain.parts, study)
         still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
         if still and isinstance(values[0], sp.Symbol):
             given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}

@@ -65,11 +65,8 @@ class Introductions:
         while changed:
             changed = False
             for number, claim in enumerate(self.claims):
-                if claim.chain is None or number in self.records:
-                    continue
-                unknown = unknown_names(claim.chain, self.study)
-                if unknown and self._define_by(number, claim, unknown):
-                    changed = True
+                if claim.chain is not None and number not in self.records:
+                    changed |= self._define_by(number, claim, claim.chain)
             changed = changed or any(
                 self._free_constant(number, claim, pair)
                 for number, claim in enumerate(self.claims)
@@ -77,10 +74,10 @@ class Introductions:
                 for pair in pairwise(claim.chain.parts)
             )
 
-    def _define_by(self, number: int, claim: PrintedClaim, unknown: Sequence[str]) -> bool:
+    def _define_by(self, number: int, claim: PrintedClaim, chain: Chain) -> bool:
         """Whether a formula is taken for a definition, or for an integral with its constant."""
-        chain = claim.chain
-        if chain is None or {*chain.relations} != {"="} or self.is_forced(unknown):
+        unknown = unknown_names(chain, self.study)
+        if {*chain.relations} != {"="} or self.is_forced(unknown):
             return False
         parts = [(part, unknown_names(part, self.study)) for part in chain.parts]
         known = [part for part, names in parts if not names]
@@ -148,7 +145,7 @@ class Introductions:
         for claim in self.claims:
             parts = claim.chain.parts if claim.chain is not None else ()
             values = [value_or_none(value_of, part, self.study, {}) for part in parts]
-            held = [getattr(value, "free_symbols", set()) for value in values]
+            held: list[set[Any]] = [getattr(value, "free_symbols", set()) for value in values]
             if any(symbols and not symbols & moving for symbols in held):
                 yield from (spelled(part) for part in parts if isinstance(part, Name))
 
