@@ -106,6 +106,13 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
         (r"Let $k$ be the ratio $J/m$. Then $(k+a^2)\dot\omega=-av\omega$.", "definition"),
         (r"We denote by $P$ the quantity $J+ma^2$. One has $P\dot\omega=mav\omega$.", "definition"),
+        (r"Put $\mu=ma$. Then $(J+ma^2)\dot\omega=-\mu v\omega$.", "proved"),
+        (
+            r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-\frac12(J+ma^2)\omega^2$.",
+            "proved",
+        ),
+        (r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-(J+ma^2)\omega^2$.", "not read"),
+        (r"Then $mv^2+(J+ma)\omega^2-2C=0$.", "unknown letters"),
         (r"At rest one has $\dot v=0$.", "proved"),
         (r"In the special case $a=0$ one has $\dot v=0$.", "proved"),
         (r"In the limit $m\to\infty$ one has $\dot\omega=-v\omega/a$.", "proved"),
@@ -153,6 +160,29 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
 )
 def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
     assert verdicts(audit(tmp_path, TRUE + text))[-1 if "for" not in text else 2] == verdict
+
+
+def test_a_model_in_matrices_is_proved_and_an_error_in_it_is_found(tmp_path):
+    text = (HERE / "papers" / "aside" / "in_matrices.tex").read_text("utf-8")
+    found = verdicts(audit(tmp_path, text))
+    assert found.count("definition") == 8
+    assert found.count("proved") == len(found) - 8 == 6
+    found = audit(tmp_path, text.replace(r"\\ ma\omega", r"\\ -ma\omega"))
+    (wrong,) = found.errata
+    assert wrong.printed.startswith(r"\mathbf C(")
+    assert verdicts(found).count("convention") == 2  # all formulas with C fail
+
+
+def test_a_vector_equation_gives_multipliers_and_is_compared(tmp_path):
+    rows = [r"\dot\phi^2\cos\phi\\ \ddot y", r"\dot\phi^2\sin\phi\\ \ddot y"]
+    text = (
+        r"Here $\dot x=v\cos\phi$, $\dot y=v\sin\phi$. With the reaction $\lambda$ "
+        r"\[ m\begin{pmatrix}\ddot x-a\ddot\phi\sin\phi-a%s"
+        r"+a\ddot\phi\cos\phi-a\dot\phi^2\sin\phi\end{pmatrix}"
+        r"-\begin{pmatrix}\sin\phi\\-\cos\phi\end{pmatrix}\lambda=0. \]"
+    )
+    found = [verdicts(audit(tmp_path, text % row))[-1] for row in rows]
+    assert found == ["proved", "misprint"]
 
 
 def test_a_definition_is_accused_where_all_fails_that_uses_it(tmp_path):

@@ -12,15 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import sympy as sp
-
-from voronec.algebra.verdicts import prove_equal
 from voronec.audit.claims_in_words import CONSTANT_WORD
-from voronec.audit.comparisons import value_of
 from voronec.audit.conditions import excuse, special_cases
 from voronec.audit.contents import (
+    constant_in,
     has_accelerations,
-    is_linear,
     is_slope_of_rate,
     lone_name,
 )
@@ -29,7 +25,7 @@ from voronec.audit.introductions import INTEGRAL, Introductions
 from voronec.audit.judge import SectionContext, judge_formula
 from voronec.audit.latex.nodes import Chain, walk
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import unknown_names
+from voronec.audit.letters import names_in, spelled, unknown_names
 from voronec.audit.meaning import SENSELESS
 from voronec.audit.paper import Section
 from voronec.audit.printed_claims import PrintedClaim
@@ -92,27 +88,14 @@ class ClaimJudge:
         return replace(claim, formula=formula, chain=formula.tree(self.study.vocabulary))
 
     def _solution(self, claim: PrintedClaim, letter: str) -> FormulaRecord | None:
-        """The verdict on a solution with one constant, as v = g t + C: what the constant has to be
-        must not change; None where the letter may be something else."""
-        symbol, chain = sp.Dummy(letter), claim.chain
-        study = replace(self.study, names={**self.study.names, letter: symbol}, ranges=())
-        if chain is None or len(chain.parts) != 2:
-            return None
-        try:
-            left, right = (study.motion.along(value_of(p, study, {})) for p in chain.parts)
-            gap = sp.expand(left - right)
-            slope = sp.diff(gap, symbol)
-            if not is_linear(gap, [symbol]) or slope.free_symbols & {*study.motion.rates}:
-                return None
-            value = -(gap - slope * symbol) / slope
-            verdict = prove_equal(study.motion.along(study.motion.derivative(value)), 0)
-        except SENSELESS:
-            return None
-        printed = claim.formula.printed
-        if verdict.proved:
-            return FormulaRecord(printed, "proved", GROUNDS["integral"], source=study.origin)
+        """The record of a wrong solution with one constant, as v = g t + C: what the constant has
+        to be changes; None where the letter may be something else."""
+        chain, printed = claim.chain, claim.formula.printed
         said = re.match(r"[cC](?![a-zA-Z])", letter) and _SOLUTION.search(claim.sentence)
-        if not said or not verdict.refuted or verdict.witness is None:
+        if not said or chain is None or len(chain.parts) != 2:
+            return None
+        _, verdict = constant_in(chain.parts, letter, self.study)
+        if verdict is None or not verdict.refuted or verdict.witness is None:
             return None
         witness = witness_of(FormulaOutcome(verdict, None, 1))
         method = f"the rate of what {letter} has to be does not vanish"
@@ -156,6 +139,8 @@ class ClaimJudge:
             if case.holds(chain):
                 method = f"true for {case.said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
+        if self.introductions.constants & {spelled(name) for name in names_in(chain)}:
+            return FormulaRecord(printed, "not read", "its constant may be another one here")
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:
             reason = f"false in general, and for {cases[-1].said}, which its sentence names"

@@ -114,7 +114,7 @@ def _only_equalities(chain: Chain) -> None:
 def _componentwise(
     left: Any, right: Any, where: dict[str, int], about: str = ""
 ) -> Iterator[FormulaComparison]:
-    left, right = _as_vectors(left, right)
+    left, right = as_vectors(left, right)
     if isinstance(left, sp.MatrixBase) != isinstance(right, sp.MatrixBase):
         raise Misprint("a vector is set equal to a number")
     if not isinstance(left, sp.MatrixBase):
@@ -127,7 +127,7 @@ def _componentwise(
         yield FormulaComparison(a, b, where, f"{place} {about}".strip())
 
 
-def _as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
+def as_vectors(left: Any, right: Any) -> tuple[Any, Any]:
     """The number zero stands for the zero vector too."""
     if isinstance(left, sp.MatrixBase) and right == 0:
         return left, left * 0

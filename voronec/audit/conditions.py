@@ -11,7 +11,7 @@ import sympy as sp
 
 from voronec.algebra.verdicts import prove_equal
 from voronec.audit.contents import moves, value_or_none, values_of
-from voronec.audit.curvature_letters import is_component
+from voronec.audit.curvature_letters import component_indices
 from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Chain, Dot, Name, Node
 from voronec.audit.letters import has_usual_words, names_in
@@ -23,9 +23,9 @@ from voronec.audit.verify import verify
 
 _CONDITIONS = re.compile(
     r"\b(if|when|whenever|unless|provided|suppos\w*|assum\w*|absence"
-    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*|at rest"
-    r"|at the (?:initial|moment|instant)|initial\w*|steady|stationary|equilibri\w*|lineari[sz]\w*"
-    r"|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
+    r"|without(?! (?:slip|skid|los|fric))|neglect\w*|small|near|limit\w*|approximat\w*"
+    r"|(?<!is )(?<!are )at rest|at the (?:initial|moment|instant)|initial\w*|steady|stationary"
+    r"|equilibri\w*|lineari[sz]\w*|(?:special|particular) (?:cas|solution|motion|value)\w*|virtual"
     r"|unconstrained|would|as if|first order|rescal\w*|normali[sz]\w*"
     r"|dimensionless|nondimensional\w*|units|vakonomic|variational|remov\w*"
     r"|free (?:body|motion)|holonomic case|substitutes? (?:the )?variables?|new variables?"
@@ -51,6 +51,7 @@ _LIMIT = re.compile(
 r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
 _SMALL = sp.Symbol("small", positive=True)
 """What vanishes where something is infinite."""
+_COMMANDS = re.compile(r"\\[a-zA-Z]+\*?|[{}$\\]")
 _AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 
 
@@ -91,15 +92,15 @@ def special_cases(
         node = value_or_none(study.tree, letter)
         symbol = node and study.table.get(study.key(node))
         if isinstance(symbol, sp.Symbol):
-            far = (-1 if "-" in value else 1) / _SMALL
-            place = far if "infty" in value else sp.Integer(value)
+            far = "infty" in value and (-1 if "-" in value else 1) / _SMALL
+            place = far or sp.Integer(value)
             found.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
         beside = other.display.sentence == claim.display.sentence and other is not claim
-        equality = other.chain is not None and {*other.chain.relations} == {"="}
-        if not beside or not equality or SpecialCase("", study).holds(other.chain):
+        chain = other.chain if beside else None
+        if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
             continue
-        values = value_or_none(values_of, other.chain.parts, study)
+        values = value_or_none(values_of, chain.parts, study)
         still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
         if still and isinstance(values[0], sp.Symbol):
             given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
@@ -109,7 +110,7 @@ def special_cases(
         for _, given in found:
             together |= given
         found.append((" and ".join(said for said, _ in found), together))
-    constant = _has_constancy(claim)
+    constant = claim.chain is not None and any(map(names_constant, claim.chain.parts))
     return [
         SpecialCase(said, replace(study, given=given))
         for said, given in found
@@ -131,7 +132,7 @@ def excuse(
             return FormulaRecord(printed, "convention", said)
     if about == "parameters" or (about and not _INTEGRALS.search(claim.display.before)):
         return FormulaRecord(printed, "definition", f"a condition on the {about}")
-    if any(is_component(name) for name in names_in(tuple(parts))):
+    if any(component_indices(name) for name in names_in(tuple(parts))):
         said = "false with one sign and numbering of the curvature; which are meant?"
         return FormulaRecord(printed, "not read", said)
     values = value_or_none(values_of, parts, study) or ()
@@ -141,7 +142,7 @@ def excuse(
         if isinstance(part, Name) and not has_usual_words(part, claim.sentence):
             return FormulaRecord(printed, "not read", f"{part.head} may be something else here")
     words = claim.display.before.rpartition("\n\n")[2]
-    condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_without_commands(words))
+    condition = _CONDITIONS.search(words) or _ASSUMPTIONS.search(_COMMANDS.sub(" ", words))
     condition = condition or _BEHIND.match(claim.display.after)
     if condition is None:
         return None
@@ -164,11 +165,3 @@ def _condition_on(parts: Sequence[Node], study: Study, constant: bool) -> str:
         if still and (velocity_alone or (isinstance(part, Name) and held & states)):
             return "state"
     return "" if any(moves(part, study) for part in parts) else "coordinates"
-
-
-def _has_constancy(claim: PrintedClaim) -> bool:
-    return claim.chain is not None and any(map(names_constant, claim.chain.parts))
-
-
-def _without_commands(words: str) -> str:
-    return re.sub(r"\\[a-zA-Z]+\*?|[{}$\\]", " ", words)

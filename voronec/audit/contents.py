@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
-from voronec.algebra.verdicts import prove_equal
+from voronec.algebra.verdicts import Verdict, prove_equal
 from voronec.audit.comparisons import value_of
 from voronec.audit.latex.nodes import (
     Call,
@@ -46,15 +47,11 @@ def values_of(parts: Sequence[Node], study: Study) -> list[Any]:
 def has_accelerations(chain: Chain, study: Study) -> bool:
     """Whether rates of velocities stand in a formula."""
     dots = {*study.motion.accelerations}
-    for part in chain.parts:
-        for node in walk(part):
-            if isinstance(node, (Dot, Derivative, Differential)):
-                value = value_or_none(evaluate, node, study)
-                order = getattr(node, "order", 1)
-                if order > 1 or (
-                    value is not None and getattr(value, "free_symbols", set()) & dots
-                ):
-                    return True
+    for node in walk(chain):
+        if isinstance(node, (Dot, Derivative, Differential)):
+            value = value_or_none(evaluate, node, study)
+            if getattr(node, "order", 1) > 1 or getattr(value, "free_symbols", set()) & dots:
+                return True
     return False
 
 
@@ -106,6 +103,23 @@ def solve_for(part: Node, value: Node) -> tuple[Name | None, Node]:
         rest = next(f for f in part.factors if not isinstance(f, Number))
         return solve_for(rest, Quotient(value, Product(numbers)))
     return None, value
+
+
+def constant_in(parts: Sequence[Node], letter: str, study: Study) -> tuple[Any, Verdict | None]:
+    """What a letter has to be where two sides are linear in it, and whether that is a constant;
+    no verdict where it may be something else."""
+    symbol = sp.Dummy(letter)
+    study = replace(study, names={**study.names, letter: symbol}, ranges=())
+    try:
+        left, right = (study.motion.along(value) for value in values_of(parts, study))
+        gap = sp.expand(left - right)
+        slope = sp.diff(gap, symbol)
+        if not is_linear(gap, [symbol]) or slope.free_symbols & {*study.motion.rates}:
+            return None, None
+        value = -gap.xreplace({symbol: sp.S.Zero}) / slope
+        return value, prove_equal(study.motion.along(study.motion.derivative(value)), 0)
+    except SENSELESS:
+        return None, None
 
 
 def is_linear(gap: Any, symbols: Sequence[Any]) -> bool:

@@ -12,8 +12,7 @@ from voronec.audit.claim_judge import ClaimJudge
 from voronec.audit.contents import moves
 from voronec.audit.curvature_letters import with_curvature
 from voronec.audit.introductions import Introductions
-from voronec.audit.latex.document import Document, PrintedDisplay, read_document
-from voronec.audit.latex.nodes import Chain
+from voronec.audit.latex.document import Document, read_document
 from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
 from voronec.audit.page.referee import referee_lines
 from voronec.audit.printed_claims import PrintedClaim, applied_letters, claims_of
@@ -23,6 +22,9 @@ from voronec.audit.study import Study, key_of
 from voronec.declaration.system import System
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, did_you_mean
+
+Progress = Callable[[str, str], None] | None
+"""What is told the place of each formula, and its verdict."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def audit_paper(
     path: str | Path,
     system: System | VoronecEquations,
     dictionary: str | Path | Mapping[str, Any] | None = None,
-    progress: Callable[[str, str], None] | None = None,
+    progress: Progress = None,
 ) -> PaperAudit:
     r"""Every formula of a LaTeX file beside what its system has.
 
@@ -88,8 +90,7 @@ def audit_paper(
     study = replace(study, functions=frozenset(applied_letters(document, study)))
     claims = claims_of(document, study)
     _refuse_strangers(claims, study, given)
-    study = with_words(study, _by_displays(claims))
-    study = with_curvature(study, claims, document.body.text)
+    study = with_curvature(with_words(study, claims), claims, document.body.text)
     introduced = Introductions.of(claims, study)
     records = _records(document, introduced, progress)
     title = document.title or Path(path).stem
@@ -97,23 +98,7 @@ def audit_paper(
     return PaperAudit(equations.system, audit, _unknown_letters(introduced, records))
 
 
-def _by_displays(
-    claims: Sequence[PrintedClaim],
-) -> Iterable[tuple[PrintedDisplay, list[Chain]]]:
-    """The displays with the trees of their formulas."""
-    found: dict[int, tuple[PrintedDisplay, list[Chain]]] = {}
-    for claim in claims:
-        entry = found.setdefault(id(claim.display), (claim.display, []))
-        if claim.chain is not None:
-            entry[1].append(claim.chain)
-    return found.values()
-
-
-def _records(
-    document: Document,
-    introduced: Introductions,
-    progress: Callable[[str, str], None] | None,
-) -> list[Record]:
+def _records(document: Document, introduced: Introductions, progress: Progress) -> list[Record]:
     """The records of all formulas, then those of all sentences."""
     judge = ClaimJudge(introduced.claims, introduced)
     records: list[Record] = []
@@ -148,9 +133,8 @@ def _unknown_letters(introduced: Introductions, records: Sequence[Record]) -> di
 def _names_with(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
     """The names with those of the dictionary in the place of what is spelled alike."""
     keys = {study.key(study.tree(letter)) for letter in given}
-    return {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys} | dict(
-        given
-    )
+    others = {k: v for k, v in study.names.items() if study.key(study.tree(k)) not in keys}
+    return {**others, **given}
 
 
 def _refuse_strangers(claims: Sequence[PrintedClaim], study: Study, letters: Iterable[str]) -> None:
@@ -196,13 +180,11 @@ def _blame_definitions(introduced: Introductions, records: list[Record]) -> None
 def _spare_strangers(introduced: Introductions, records: list[Record]) -> None:
     """Where more formulas disagree with the system than agree, it is not the paper's."""
     wrong = [n for n, record in enumerate(records) if record.verdict == "misprint"]
-    right = [
-        claim
-        for claim, record in zip(introduced.claims, records, strict=False)
-        if record.verdict == "proved" and claim.chain is not None
-        and any(moves(part, introduced.study) for part in claim.chain.parts)
-    ]  # fmt: skip
-    if len(wrong) <= len(right):
+    right = 0
+    for claim, record in zip(introduced.claims, records, strict=False):
+        parts = claim.chain.parts if claim.chain and record.verdict == "proved" else ()
+        right += any(moves(part, introduced.study) for part in parts)
+    if len(wrong) <= right:
         return
     for number in wrong:
         doubt = "more formulas disagree with the system than agree: is it that of the paper?"

@@ -19,11 +19,12 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
-from voronec.audit.latex.nodes import TRANSPOSED, Chain, Name, Node, Power
+from voronec.audit.latex.nodes import TRANSPOSED, Name, Node, Power
 from voronec.audit.latex.tokens import FUNCTIONS, Unfamiliar
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
 from voronec.audit.meaning import SENSELESS, UnknownName, evaluate
+from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.study import Motion, Range, Study, key_of, spell
 from voronec.declaration.text_file import read_toml
 from voronec.equations.motions import Motions
@@ -125,13 +126,14 @@ def names_in(part: Any) -> Iterator[Name]:
             yield from names_in(value)
 
 
-def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain]]]) -> Study:
-    """The dictionary with what the words of a paper bind, whose displays and trees these are."""
+def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
+    """The dictionary with what the words of a paper bind, whose formulas these are."""
     derived, table = _letters_of_mechanics(study.context, study), dict(study.table)
     found: dict[str, Any] = {}
-    for display, chains in displays:
-        words = f"{display.before} {display.after}".lower()
-        for name in (name for chain in chains for name in names_in(chain)):
+    seen: set[int] = set()
+    for claim in claims:
+        words = claim.sentence.lower()
+        for name in names_in(claim.chain or ()):
             key = key_of(name)
             shape = _SHAPE.fullmatch(name.head)
             plain = key.replace(name.head, shape[1], 1) if shape else key
@@ -142,9 +144,10 @@ def with_words(study: Study, displays: Iterable[tuple[PrintedDisplay, list[Chain
                 found[spelled(name)] = table[key] = table[plain]
             elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
                 found[spelled(name)] = table[key] = derived[plain]
-        first = chains[0].parts[0] if chains else None
+        first = claim.chain.parts[0] if claim.chain and id(claim.display) not in seen else None
+        seen |= {id(claim.display)} if claim.chain else set()
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
-            value = _value_by_words(display, first, derived, study)
+            value = _value_by_words(claim.display, first, derived, study)
             if value is not None:
                 found[spelled(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})

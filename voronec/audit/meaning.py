@@ -100,14 +100,15 @@ def _call(node: Call, study: Study, where: Where) -> Any:
         if vectors is not None:
             return value * vectors[0].dot(vectors[1])  # a constant before a scalar product
     listed = _listed_symbols(node.arguments, study, where)
+    if isinstance(value, sp.MatrixBase):
+        return value  # M(q), where M may be constant for this system
     missing = (value.free_symbols & variables) - listed
     if missing:
         raise Misprint(
             f"'{_kind_or_key(node.function)}' depends on '{sorted(map(str, missing))[0]}', which "
             "its list of arguments leaves out"
         )
-    constant = isinstance(value, sp.MatrixBase)  # M(q), where M is constant for this system
-    if listed and value.free_symbols and not (listed & value.free_symbols or constant):
+    if listed and value.free_symbols and not listed & value.free_symbols:
         kind = Misprint if isinstance(node.function, Name) else Unfamiliar  # no rate: its value
         raise kind(f"'{_kind_or_key(node.function)}' depends on none of its arguments")
     return value
@@ -416,7 +417,7 @@ def _is_velocity(node: Node, value: Any, study: Study) -> bool:
     """Whether a name stands for what is linear in the velocities, as a component of omega is:
     energies, whose derivatives by velocities are partial ones, do not."""
     rates = study.motion.rates
-    moving = {*rates, *rates.values()} - {s for s in rates if velocity(s) != rates[s]}
+    moving = {rate for rate in rates.values() if rate.is_Symbol} | study.motion.quasi
     held = sorted(value.free_symbols & moving, key=str)
     return (
         isinstance(node, Name)
@@ -496,10 +497,6 @@ def _product(node: Product, study: Study, where: Where) -> Any:
     return value
 
 
-def _matrix(node: Matrix, study: Study, where: Where) -> Any:
-    return sp.Matrix([[evaluate(cell, study, where) for cell in row] for row in node.rows])
-
-
 _CONDITIONS: dict[str, Any] = {
     "=": sp.Eq, "<": sp.Lt, ">": sp.Gt, "\\ne": sp.Ne, "\\neq": sp.Ne, "\\le": sp.Le,
     "\\leq": sp.Le, "\\ge": sp.Ge, "\\geq": sp.Ge,
@@ -555,7 +552,7 @@ _RULES: dict[type, Callable[[Any, Study, Where], Any]] = {
     Elementary: lambda n, s, w: ELEMENTARY[n.function](evaluate(n.argument, s, w)),
     Call: _call,
     Cross: _cross,
-    Matrix: _matrix,
+    Matrix: lambda n, s, w: sp.Matrix([[evaluate(cell, s, w) for cell in row] for row in n.rows]),
     Cases: _cases,
     Listing: _listing,
     Partial: _partial,

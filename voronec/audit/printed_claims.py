@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from voronec.audit.contents import value_or_none
 from voronec.audit.display import Display
 from voronec.audit.formula import Formula, source_of
 from voronec.audit.latex.document import Document, PrintedDisplay, PrintedSentence
@@ -87,7 +88,7 @@ def claim_in_words(
 
 _APPLIED = re.compile(
     r"\s*(?P<name>(?:\\(?:mathbf|boldsymbol|mathcal|mathrm)\s*)?\{?\\?[a-zA-Z]+\}?(?:_\w|_\{\w+\})?)"
-    r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=(?!.*=)",
+    r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=",
     re.DOTALL,
 )
 r"""A letter with its arguments on a left side, ``M(q) = ...``."""
@@ -96,17 +97,12 @@ r"""A letter with its arguments on a left side, ``M(q) = ...``."""
 def applied_letters(document: Document, study: Study) -> set[str]:
     """The letters that the paper defines with their arguments, and the system does not have."""
     found = set()
-    for display in document.displays:
-        for _, unit, piece in display.formulas:
-            match = _APPLIED.match(source_of(piece, unit.display))
-            if match is None or match["first"].strip() == "t":
-                continue
-            try:
-                name = study.tree(match["name"])
-            except DefinitionError:
-                continue
-            if isinstance(name, Name) and key_of(name) not in study.table:
-                found.add(name.head)
+    printed = [source_of(p, unit.display) for d in document.displays for _, unit, p in d.formulas]
+    for match in filter(None, map(_APPLIED.match, printed)):
+        name = value_or_none(study.tree, match["name"])
+        plain = any(re.match(re.escape(match["name"].strip()) + r"\s*=", text) for text in printed)
+        own = isinstance(name, Name) and key_of(name) not in study.table
+        found |= {name.head} if own and not plain and match["first"].strip() != "t" else set()
     return found
 
 

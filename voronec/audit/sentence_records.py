@@ -14,7 +14,7 @@ from voronec.audit.claims_in_words import WordClaim, claims_in_words, last_side
 from voronec.audit.comparisons import value_of
 from voronec.audit.contents import value_or_none
 from voronec.audit.latex.document import Document, PrintedSentence
-from voronec.audit.printed_claims import PrintedClaim, claim_in_words
+from voronec.audit.printed_claims import claim_in_words
 from voronec.audit.record import FormulaRecord
 
 
@@ -49,17 +49,14 @@ class SentenceJudge:
         if claim.decide is not None:
             verdict, method = claim.decide(self.judge.study.context)
             return FormulaRecord("", verdict, method, source=self.judge.study.origin)
-        made = self._claim_of(sentence, claim.formula, claim.before, claim.after)
+        made = claim_in_words(
+            self.document, sentence, claim.formula, self.judge.study, claim.before, claim.after
+        )
         return FormulaRecord("", "not read", "a slot") if made is None else self.judge.judge(made)
-
-    def _claim_of(
-        self, sentence: PrintedSentence, latex: str, before: str = "", after: str = ""
-    ) -> PrintedClaim | None:
-        return claim_in_words(self.document, sentence, latex, self.judge.study, before, after)
 
     def _density(self, sentence: PrintedSentence, latex: str) -> Any:
         """The value of a formula in the invariants of the system, else None."""
-        made = self._claim_of(sentence, f"${latex}=0$")
+        made = claim_in_words(self.document, sentence, f"${latex}=0$", self.judge.study)
         if made is None or made.chain is None:
             return None
         invariants = self.judge.study.context.system.invariants

@@ -261,7 +261,7 @@ def _digit_edits(words: Sequence[Token]) -> Iterator[Change]:
 def _script_edits(words: Sequence[Token]) -> Iterator[Change]:
     """An index 1, or a power, more or less."""
     for word in words:
-        if _is_letter(word) or word.text in (")", "]"):
+        if _is_letter(word) or word.text in (")", "]", *ELEMENTARY):
             more = ("_1", "^2", "^3") if _is_letter(word) else ("^2",)
             yield from (Change.at(word.end, word.end, text) for text in more)
     for start, end in script_ranges(words):

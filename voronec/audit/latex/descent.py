@@ -21,6 +21,7 @@ from voronec.audit.latex.doubts import (
 )
 from voronec.audit.latex.nodes import (
     POINT,
+    TRANSPOSED,
     Call,
     Chain,
     Cross,
@@ -268,6 +269,9 @@ class Reader:
         node = _scripts(self, self.atom(), start)
         if self.peek() == "(" and self._applies(node):
             node = Call(node, self.group(self.take()), self.since(start))
+        elif self.peek() == "(" and _transposes(node) and self._applies(node.base):
+            call = Call(node.base, self.group(self.take()), self.since(start))
+            node = replace(node, base=call)  # A^T(q)
         elif isinstance(node, Name) and node.head in FUNCTIONS and self.peek() in BEGINNINGS:
             node = Call(node, (self.atom(),), self.since(start))
         elif isinstance(node, Name) and node.head in FUNCTION_NAMES and not self.ends_term():
@@ -386,6 +390,10 @@ def _as_point(part: Node) -> Node:
     """A side of a formula; three or more things in parentheses are a column."""
     several = isinstance(part, Listing) and part.bracket == "(" and len(part.items) > 2
     return replace(part, bracket=POINT) if several else part
+
+
+def _transposes(node: Node) -> bool:
+    return isinstance(node, Power) and node.exponent in TRANSPOSED
 
 
 def _is_partial(node: Node) -> bool:

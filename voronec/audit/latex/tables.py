@@ -73,7 +73,7 @@ def _case(reader: Any) -> tuple[Node, ...]:
     inside = re.search(r"\$(.+)\$", words)
     if inside is not None:  # \text{if $x>0$}
         inner = type(reader)(tokenize(inside[1]), inside[1], reader.vocabulary, reader.construct)
-        return value, _relation(inner)
+        return value, inner.formula()
     if reader.peek() in ENDS:
         if words and not _OTHERWISE.search(words):
             reader.fail(f"'{words}' is not read as a condition", Unfamiliar)

@@ -54,7 +54,6 @@ _WITH_ARGUMENT = {"\\label", "\\tag"}
 _ENVIRONMENT = re.compile(r"\\(?:begin|end)\s*\{([a-zA-Z]+\*?)\}")
 _COLUMNS = re.compile(r"(?:\[[tbc]\])?\{[^{}]*\}")
 """What stands behind the name of an array."""
-_STOPS = {",", ".", ";"}
 _SKIP = re.compile(r"\*?\s*\[-?[\d.]+\s*[a-z\\]+\]|\*")
 """What may stand behind the end of a row."""
 
@@ -113,7 +112,7 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             size = match.start()
             position += source.startswith(".", position)  # a bracket that is not printed
         if depth and (text in ("&", "\\end") or text.startswith("\\\\")):
-            while found[-1].text in _STOPS:  # at the end of a cell
+            while found[-1].text in (",", ".", ";"):  # at the end of a cell
                 found.pop()
         if depth and text == "&":
             found.append(Token("sign", text, match.start(), position))
