@@ -48,11 +48,27 @@ def test_a_steady_motion_stays_as_it_is() -> None:
 def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> None:
     found = vo.steady(vo.load("suslov"))
     # rest is one of the line of turns, where the linearisation vanishes
-    assert [(m.kind, m.dimension) for m in found] == [("rest", 1), ("steady motion", 1)]
+    assert [(m.kind, m.dimension) for m in found] == [("rest", 1), ("permanent rotation", 1)]
     assert [m.is_singular for m in found] == [True, False]
     turning = found[1]
     # about the axis M3 = I13 omega1 + I23 omega2 = 0
     assert turning.point["omega1"] / 5 + 2 * turning.point["omega2"] / 5 == pytest.approx(0)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "kind"),
+    [
+        ("falling-disc", {"gamma3": 0, "q": 0, "s": 2}, "uniform rolling"),
+        ("falling-disc", {"gamma3": 0, "q": 2, "s": 0}, "permanent rotation"),  # on its place
+        ("chaplygin-ball", {"gamma3": 1, "omega3": 1}, "permanent rotation"),
+        ("two-wheeled-carriage", {}, "uniform rolling"),
+        ("sleigh", {}, "steady motion"),  # it slides
+    ],
+)
+def test_steady_motions_are_called_as_in_mechanics(
+    name: str, at: Mapping[str, Any], kind: str
+) -> None:
+    assert moving(name, at, starts=20).kind == kind
 
 
 def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
@@ -417,7 +433,10 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
 def test_commands_print_and_refuse(call: Call) -> None:
     answer = call("steady", "suslov", "--json")
     told = json.loads(answer.out)
-    assert answer.status == 0 and [m["kind"] for m in told["motions"]] == ["rest", "steady motion"]
+    assert answer.status == 0 and [m["kind"] for m in told["motions"]] == [
+        "rest",
+        "permanent rotation",
+    ]
     answer = call("stability", "falling-disc", "--over", "s", "--between", "0:3", "--at",
                      "gamma3=0", "--at", "q=0", "--hold", "q")  # fmt: skip
     assert "critical: s = 0.577350269189626: a real eigenvalue passes through zero" in answer.out
