@@ -423,6 +423,9 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
         ours = family.at(speed).spectrum
         gaps = np.abs(ours[:, None] - printed[None, :]).min(axis=1)
         assert len(ours) == 4 and gaps.max() < 1e-11
+    for slow in (family.at(3), moving("bicycle", {"delta": "1/2"}, starts=5)):  # and a turn
+        assert slow.kind == "uniform rolling"
+        assert slow.verdict.word == "unstable" and slow.verdict.proved
     weave, capsize = family.critical
     assert (weave.way, capsize.way) == ("pair", "real")
     assert weave.value == pytest.approx(4.29238253634111, abs=5e-14)
