@@ -278,6 +278,17 @@ def test_folds_and_branch_points_are_located() -> None:
         assert critical.value == pytest.approx(0, abs=1e-10) and critical.way == "real"
 
 
+@pytest.mark.parametrize("strength", [1, X**2])
+def test_a_family_tells_where_it_passes_over_the_pole_of_a_logarithm(strength: Any) -> None:
+    c = sp.Symbol("c")
+    push = (c - X) * (1 + strength * sp.log(X**2) / 9) - DX
+    system = vo.System("logarithm", vo.Fibration(base=(X,)), DX**2 / 2, forces={X: push},
+                       parameters=(vo.Parameter(c, sp.Rational(1, 3)),))  # fmt: skip
+    motion = vo.steady(system, at={X: sp.Rational(1, 3)})[0]
+    assert motion.along(c, (-1, 1), count=20).undefined == pytest.approx([0], abs=1e-9)
+    assert motion.along(c, ("1/5", 1), count=20).undefined == ()
+
+
 def test_pairs_that_meet_on_the_imaginary_axis() -> None:
     # x'' = -w x + b y', y'' = -w y - b x' with w < 0 is stable for b^2 > -4 w
     x, y, b = sp.symbols("x y b")
@@ -474,7 +485,7 @@ DIGITS = 80
 STEP = mp.mpf(10) ** -25
 
 
-def referee_field(system: vo.System) -> Any:
+def referee_field(system: vo.System, values: Mapping[Any, Any]) -> Any:
     """(q, v)' at a point, by multipliers; of the engine nothing but the names is used."""
     q = [*system.coordinates]
     dots = [vo.velocity(x) for x in q]
@@ -486,7 +497,6 @@ def referee_field(system: vo.System) -> Any:
     plain = {d: sp.Symbol(f"rate {i}") for i, d in enumerate(dots)}
     rows = [sp.sympify(r).xreplace(plain) for r in rows]
     rates = [*plain.values()]
-    values = {p.symbol: p.value for p in system.parameters}
     matrix = sp.Matrix(rows).jacobian(rates)
     rest = sp.Matrix([r.xreplace(dict.fromkeys(rates, sp.Integer(0))) for r in rows])
     quasi = [sp.sympify(meaning[x]).xreplace(plain) for x in v]
@@ -499,7 +509,7 @@ def referee_field(system: vo.System) -> Any:
         place, speeds = x[: len(q)], x[len(q) :]
         left, right = solve_for(place, speeds)
         moving = [*mp.lu_solve(left, -right)]
-        point = dict(zip([*q, *v], x, strict=True))
+        point = {**dict(zip([*q, *v], x, strict=True)), **values}
         found = vo.multiplier_acceleration(system, point, digits=DIGITS)
         bent = mp.matrix([mp.mpf(sp.N(found[c], DIGITS)) for c in q])
         here, along = slopes(place, moving)
@@ -545,12 +555,16 @@ def test_spectra_agree_with_differences_of_the_multiplier_route(
         ("falling-disc", {"gamma3": 0, "q": 0, "s": 1}, "s", (0, 2)),
         ("sleigh-on-turntable", {"v": "1/10"}, "v", (-1, 1)),
         ("bicycle", {"phi": 0, "delta": 0, "speed": 4}, "speed", (4, 5)),
+        ("chaplygin-ball", {"gamma3": 1, "omega3": 1}, "I1", ("1/2", "4/5")),
+        ("ball-on-sphere", {"gamma1": 0, "gamma3": 0, "G2": "1/2"}, "I3", ("2/5", "3/5")),
+        ("torus-on-ellipsoid", {"s": "1/2"}, "R", (1, "3/2")),
     ],
 )
 def test_critical_values_agree_with_differences_of_the_multiplier_route(
     name: str, at: Mapping[str, Any], over: str, between: tuple[float, float]
 ) -> None:
-    family = moving(name, at, starts=20).along(over, between, count=10)
+    hold = tuple(at) if over in ("I1", "I3", "R") else ()  # parameters
+    family = moving(name, at, starts=20).along(over, between, hold=hold, count=10)
     (critical,) = family.critical
     with mp.workdps(DIGITS):
         theirs = referee_eigenvalues(family.at(critical.exact))
@@ -568,8 +582,8 @@ def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
     names = [str(x) for x in (*system.coordinates, *system.velocities)]
     point = motion.in_digits(DIGITS)
     start = {str(x): e for x, e in motion.equations.formulation.start.items()}
-    meaning = {n: sp.sympify(start[n]) for n in point}
-    values = {p.symbol: p.value for p in system.parameters}
+    meaning = {n: sp.sympify(start[n]) for n in point if n in start}
+    values = {p.symbol: point.get(p.name, p.value) for p in system.parameters}
     meaning = {n: sp.sympify(e).xreplace(values) for n, e in meaning.items()}
     held = sorted({str(s) for e in meaning.values() for s in e.free_symbols})
     sides = [e - sp.Float(point[n], DIGITS) for n, e in meaning.items()]
@@ -578,7 +592,7 @@ def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
     near = [point.get(n, x) for n, x in zip(held, near, strict=True)]
     known = dict(zip(held, solution(function, near), strict=True))
     x = [known.get(n, mp.mpf("0.3") if n != "z" else mp.mpf(0)) for n in names]
-    field, symbols = referee_field(system), [*map(sp.Symbol, names)]
+    field, symbols = referee_field(system, values), [*map(sp.Symbol, names)]
     inner = sp.Matrix([*meaning.values()]).jacobian(symbols)
     along = sp.lambdify([symbols], inner, "mpmath")
     columns = []

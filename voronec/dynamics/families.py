@@ -175,6 +175,17 @@ class SteadyFamily:
         """The values at which other families branch off."""
         return tuple(self._values_at_roots(self.curve.regularity))
 
+    @cached_property
+    def undefined(self) -> tuple[float, ...]:
+        """About where the curve passes over points at which a logarithm has no value."""
+        arguments = self.curve.equations.logarithms
+        found = set[float]()
+        for (a, b), (x, y) in zip(pairwise(self.points), pairwise(self.values), strict=True):
+            low, high = arguments.at(a)[0], arguments.at(b)[0]
+            passed = low * high < 0
+            found |= {*(x + (y - x) * low[passed] / (low - high)[passed]).tolist()}
+        return tuple(map(self._without_rounding, sorted(found)))
+
     def _values_at_roots(self, measure: Callable[..., float]) -> Iterator[float]:
         """The values at which a function of a point, the point before it and the direction between
         these vanishes."""
@@ -185,7 +196,7 @@ class SteadyFamily:
 
     def _without_rounding(self, value: Any) -> Any:
         """A value of the quantity, which is zero where it is one but for rounding."""
-        return value if abs(value) > 1e-14 * float(np.ptp(self.values)) else 0 * value
+        return value if abs(value) > 1e-14 * float(np.ptp(self.values)) else abs(0 * value)
 
     @cached_property
     def critical(self) -> tuple[Critical, ...]:
@@ -340,7 +351,7 @@ class SteadyFamily:
                  "stability": str(r.motion.verdict)}
                 for r in self.ranges
             ],
-            "ends": list(self.ends),
+            "ends": list(self.ends), "undefined": list(self.undefined),
         }  # fmt: skip
 
 

@@ -23,6 +23,7 @@ import sympy as sp
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import as_ball
+from voronec.algebra.terms import atoms
 from voronec.algebra.text import name_or_formula
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
@@ -148,6 +149,18 @@ class SteadyEquations:
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
         return JointFunction.of(self.rates.time, self.symbols[1:], rows, self.unknowns)
+
+    @cached_property
+    def logarithms(self) -> JointFunction:
+        """What vanishes where a logarithm has no value."""
+        rows = self._joint.rows
+        found = atoms([*(e for _, e in rows.assignments), *rows.results], se.log)
+        named = dict(rows.assignments)
+        inner = (named.get(f.args[0], f.args[0]) for f in found)
+        bases = tuple(e.args[0] if isinstance(e, se.Pow) else e for e in inner)
+        block = share_subexpressions(bases, fresh_names([*self.symbols, *named]), rows.assignments)
+        time, *symbols = self.symbols
+        return JointFunction.of(time, symbols, block, self.unknowns).with_values(self.values)
 
     @property
     def symbols(self) -> tuple[Any, ...]:
