@@ -54,6 +54,8 @@ FLAT = 1e-4
 """Where the quantity changes by less than this along the curve, in the units, there is a fold."""
 ROUNDING = 1e-9
 """Conditions below this share of what they are at the next point are zero but for rounding."""
+ZERO = 1e-12
+"""Variables below this, in their units, are zero but for rounding."""
 MOST_SECANTS = 8
 """The most steps of the secant method: from eight digits three steps lead to thirty."""
 WAYS = {
@@ -214,9 +216,7 @@ class SteadyFamily:
             begin, end = (float(self.values[k]) if x is None else float(x)
                           for x, k in ((begin, i), (end, j - 1)))  # fmt: skip
             middle = (i + j) // 2
-            equations = self.curve.with_value(float(self.values[middle])).equations
-            motion = replace(self.motion, equations=equations, y=self.points[middle],
-                             units=self.curve.units)  # fmt: skip
+            motion = self._motion_at(float(self.values[middle]), self.points[middle])
             found.append(StabilityRange(begin, end, int(self.unstable[middle]), motion))
         return tuple(found)
 
@@ -314,6 +314,7 @@ class SteadyFamily:
             raise IntegrationError(
                 f"the family is lost at {self.over} = {float(value):g}", float(value), near
             )
+        y = np.where(np.abs(y) < ZERO * curve.units, 0.0, y)
         return replace(self.motion, equations=curve.equations, y=y, units=curve.units)
 
     def plot(self) -> Figure:
