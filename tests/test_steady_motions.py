@@ -161,6 +161,20 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
 
+def test_functions_that_constraints_hold_need_no_declaration() -> None:
+    x, y, z = sp.symbols("x y z")
+    vx, vy, vz = map(vo.velocity, (x, y, z))
+    pendulum = vo.System(
+        "pendulum by velocities", vo.Fibration(base=(x, y), fibre=(z,)),
+        (vx**2 + vy**2 + vz**2) / 2 - z, (x * vx + y * vy + z * vz,),
+        scenes={"default": vo.Scene(initial={z: -2, vx: 1}, times=(0, 1))},
+    )  # fmt: skip
+    found = {round(m.point["z"], 12): m for m in vo.steady(pendulum)}
+    assert {at: m.verdict.word for at, m in found.items()} == {2: "unstable", -2: "stable"}
+    assert "leaf function" in found[-2].verdict.witness
+    assert found[-2].spectrum == pytest.approx([-1j, -1j, 1j, 1j] / np.sqrt(2))
+
+
 def test_instability_by_a_double_eigenvalue_is_proved() -> None:
     rates = (DA**2 + DPHI**2) / 2
     bowl = vo.System("bowl", vo.Fibration(base=(ALPHA, PHI)),
@@ -299,7 +313,10 @@ def test_pairs_that_meet_on_the_imaginary_axis() -> None:
         forces={x: b * vy, y: -b * vx}, parameters=(vo.Parameter(b, 1),),
     )  # fmt: skip
     (rest,) = vo.steady(system)
-    (critical,) = rest.along("b", ("1/2", 5)).critical
+    family = rest.along("b", ("1/2", 5))
+    (critical,) = family.critical
+    # the energy is constant, but indefinite: what is stabilised by gyroscopic forces is not proved
+    assert [part.motion.verdict.word for part in family.ranges] == ["unstable", "spectrally stable"]
     # lambda^4 + (b^2 - 3) lambda^2 + 2: b^2 = 3 + 2 sqrt(2)
     assert critical.way == "meeting"
     with mp.workdps(30):
