@@ -11,6 +11,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
+from scipy.optimize import least_squares
 from scipy.special import ellipk, mathieu_a, mathieu_b
 
 import voronec as vo
@@ -238,6 +240,94 @@ def test_multipliers_of_a_ball_are_differences_in_many_digits() -> None:
     assert found[0] == pytest.approx(orbit.multipliers[0].real, abs=1e-9)
     assert found[-1] == pytest.approx(orbit.multipliers[-1].real, abs=1e-9)
     assert np.allclose(found[1:-1], 1.0, atol=1e-3)  # Jordan blocks
+
+
+def referee_field(system: vo.System, values: dict[str, float]) -> Any:
+    """(q, v)' in doubles by multipliers, from what a system declares alone: M q'' - C^T l = -b,
+    C q'' = -c."""
+    q, v = [*system.coordinates], [*system.velocities]
+    dots = [vo.velocity(x) for x in q]
+    plain = {d: sp.Symbol(f"rate {i}") for i, d in enumerate(dots)}
+    rates = [*plain.values()]
+    given = {p.symbol: values[p.name] for p in system.parameters}
+    frame = system.frame
+    meaning = dict(zip(v, v, strict=True)) if frame is None else dict(frame.definitions)
+    assert not system.forces
+    relations = [sum(r.diff(x) * vo.velocity(x) for x in q) for r in system.fibration.relations]
+    lagrangian, *rows = (
+        sp.sympify(e).xreplace(meaning).xreplace(plain).xreplace(given)
+        for e in (system.lagrangian, *system.constraints, *relations, *(meaning[w] for w in v))
+    )
+    rows, quasi = sp.Matrix(rows[: -len(v)] or [[]]), sp.Matrix(rows[-len(v) :])
+    momenta, moving = sp.Matrix([lagrangian]).jacobian(rates), sp.Matrix(rates)
+    bias = momenta.jacobian(q) * moving - sp.Matrix([lagrangian]).jacobian(q).T
+    still = dict.fromkeys(rates, 0)
+    parts = [momenta.jacobian(rates), bias, rows.jacobian(rates), rows.jacobian(q) * moving,
+             quasi.jacobian(rates), quasi.jacobian(q) * moving,
+             rows.xreplace(still), quasi.xreplace(still)]  # fmt: skip
+    by_place = sp.lambdify([q], [parts[i] for i in (2, 4, 6, 7)], cse=True)
+    everything = sp.lambdify([q, rates], parts[:6], cse=True)
+
+    def field(_: float, x: np.ndarray) -> np.ndarray:
+        place, speeds = x[: len(q)], x[len(q) :]
+        c, w, c0, w0 = by_place(place)
+        going = np.linalg.solve(np.vstack([c, w]), np.append(-c0, speeds - w0.ravel()))
+        mass, b, c, bent, w, turned = everything(place, going)
+        k = len(c)
+        whole = np.block([[mass, c.T], [c, np.zeros((k, k))]])
+        found = np.linalg.solve(whole, -np.concatenate([b.ravel(), bent.ravel()]))
+        return np.concatenate([going, w @ found[: len(q)] + turned.ravel()])
+
+    return field
+
+
+WEAVE = {
+    "phi": 0.00164, "delta": 0.00007, "theta": 0.00168, "roll_rate": 0.01483, "steer_rate": 0.01909,
+    "speed": 4.30388,
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("bicycle", WEAVE),
+        ("falling-disc", {}),
+        ("sleigh-on-turntable", {}),
+        ("ball-on-sphere", {"u": 1, "theta": 1, "u1": 1, "omega1": 0, "omega2": 0, "omega3": 1}),
+        ("torus-on-ellipsoid", {}),
+    ],
+)
+def test_monodromies_are_differences_of_the_multiplier_route(
+    name: str, given: dict[str, Any]
+) -> None:
+    system = vo.load(name)
+    (orbit,) = vo.periodic(system, initial=given or None,
+                           period=1.8268 if name == "bicycle" else None)  # fmt: skip
+    assert orbit.closure < 1e-10
+    ground = PhaseSpace.of(system, None, given or None, None, None, ()).motions.ground
+    states = [sp.Symbol(str(s)) for s in (*system.coordinates, *system.velocities)]
+    values = dict(orbit.parameters)
+    numbers = {sp.Symbol(n): x for n, x in values.items()}
+    sigma = sp.Matrix([sp.sympify(e) for e in ground.start]).xreplace(numbers)
+    place = sp.lambdify([states], sigma, cse=True)
+    slopes = sp.lambdify([states], sigma.jacobian(states), cse=True)
+    scene = {str(k): float(x) for k, x in system.scenes["default"].initial.items()} | given
+    known = dict(zip(orbit.variables, orbit.state, strict=True))
+    begin = [float(known.get(str(s), scene.get(str(s), 0.3))) for s in states]
+    x = least_squares(lambda s: place(s).ravel() - orbit.state, begin, slopes,
+                      xtol=1e-15, ftol=1e-15, gtol=1e-15).x  # fmt: skip
+    field, step, ends = referee_field(system, values), 1e-4, []
+    for row in np.eye(len(x)):
+        far, near = (
+            [place(solve_ivp(field, (0, orbit.period), x + h * row, "DOP853", rtol=3e-14,
+                             atol=1e-14).y[:, -1]).ravel() for h in (size, -size)]
+            for size in (2 * step, step)
+        )  # fmt: skip
+        ends.append((8 * (near[0] - near[1]) - (far[0] - far[1])) / (12 * step))
+    inward = slopes(x)
+    off = orbit.monodromy @ inward - np.array(ends).T
+    assert np.abs(off).max() < 1e-7 * np.abs(orbit.monodromy).max()
 
 
 @pytest.mark.parametrize(

@@ -48,11 +48,27 @@ def test_a_steady_motion_stays_as_it_is() -> None:
 def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> None:
     found = vo.steady(vo.load("suslov"))
     # rest is one of the line of turns, where the linearisation vanishes
-    assert [(m.kind, m.dimension) for m in found] == [("rest", 1), ("steady motion", 1)]
+    assert [(m.kind, m.dimension) for m in found] == [("rest", 1), ("permanent rotation", 1)]
     assert [m.is_singular for m in found] == [True, False]
     turning = found[1]
     # about the axis M3 = I13 omega1 + I23 omega2 = 0
     assert turning.point["omega1"] / 5 + 2 * turning.point["omega2"] / 5 == pytest.approx(0)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "kind"),
+    [
+        ("falling-disc", {"gamma3": 0, "q": 0, "s": 2}, "uniform rolling"),
+        ("falling-disc", {"gamma3": 0, "q": 2, "s": 0}, "permanent rotation"),  # on its place
+        ("chaplygin-ball", {"gamma3": 1, "omega3": 1}, "permanent rotation"),
+        ("two-wheeled-carriage", {}, "uniform rolling"),
+        ("sleigh", {}, "steady motion"),  # it slides
+    ],
+)
+def test_steady_motions_are_called_as_in_mechanics(
+    name: str, at: Mapping[str, Any], kind: str
+) -> None:
+    assert moving(name, at, starts=20).kind == kind
 
 
 def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
@@ -143,6 +159,20 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
         assert motion.verdict.word == "spectrally stable" and not motion.verdict.proved
     cone = vo.steady(SPHERICAL, at={"alpha": 1})[0]  # by the momentum of a cyclic coordinate
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
+
+
+def test_functions_that_constraints_hold_need_no_declaration() -> None:
+    x, y, z = sp.symbols("x y z")
+    vx, vy, vz = map(vo.velocity, (x, y, z))
+    pendulum = vo.System(
+        "pendulum by velocities", vo.Fibration(base=(x, y), fibre=(z,)),
+        (vx**2 + vy**2 + vz**2) / 2 - z, (x * vx + y * vy + z * vz,),
+        scenes={"default": vo.Scene(initial={z: -2, vx: 1}, times=(0, 1))},
+    )  # fmt: skip
+    found = {round(m.point["z"], 12): m for m in vo.steady(pendulum)}
+    assert {at: m.verdict.word for at, m in found.items()} == {2: "unstable", -2: "stable"}
+    assert "leaf function" in found[-2].verdict.witness
+    assert found[-2].spectrum == pytest.approx([-1j, -1j, 1j, 1j] / np.sqrt(2))
 
 
 def test_instability_by_a_double_eigenvalue_is_proved() -> None:
@@ -262,6 +292,17 @@ def test_folds_and_branch_points_are_located() -> None:
         assert critical.value == pytest.approx(0, abs=1e-10) and critical.way == "real"
 
 
+@pytest.mark.parametrize("strength", [1, X**2])
+def test_a_family_tells_where_it_passes_over_the_pole_of_a_logarithm(strength: Any) -> None:
+    c = sp.Symbol("c")
+    push = (c - X) * (1 + strength * sp.log(X**2) / 9) - DX
+    system = vo.System("logarithm", vo.Fibration(base=(X,)), DX**2 / 2, forces={X: push},
+                       parameters=(vo.Parameter(c, sp.Rational(1, 3)),))  # fmt: skip
+    motion = vo.steady(system, at={X: sp.Rational(1, 3)})[0]
+    assert motion.along(c, (-1, 1), count=20).undefined == pytest.approx([0], abs=1e-9)
+    assert motion.along(c, ("1/5", 1), count=20).undefined == ()
+
+
 def test_pairs_that_meet_on_the_imaginary_axis() -> None:
     # x'' = -w x + b y', y'' = -w y - b x' with w < 0 is stable for b^2 > -4 w
     x, y, b = sp.symbols("x y b")
@@ -272,7 +313,10 @@ def test_pairs_that_meet_on_the_imaginary_axis() -> None:
         forces={x: b * vy, y: -b * vx}, parameters=(vo.Parameter(b, 1),),
     )  # fmt: skip
     (rest,) = vo.steady(system)
-    (critical,) = rest.along("b", ("1/2", 5)).critical
+    family = rest.along("b", ("1/2", 5))
+    (critical,) = family.critical
+    # the energy is constant, but indefinite: what is stabilised by gyroscopic forces is not proved
+    assert [part.motion.verdict.word for part in family.ranges] == ["unstable", "spectrally stable"]
     # lambda^4 + (b^2 - 3) lambda^2 + 2: b^2 = 3 + 2 sqrt(2)
     assert critical.way == "meeting"
     with mp.workdps(30):
@@ -394,6 +438,35 @@ FAST = ((0.0, 76.59734589573222), (0.0, 2.65431523794604))
 DAMPING = ((0.0, 33.86641391492494), (-0.85035641456978, 1.68540397397560))
 """M, K0, K2, C1 of the benchmark bicycle, as they are printed [Meijaard2007, (A1)]."""
 
+WEAVE = (
+    "3.52696170990070 0.80774027519930", "2.68234517512745 1.68066296590675",
+    "1.70675605663975 2.31582447384325", "0.41325331521125 3.07910818603206",
+    "-0.77534188219585 4.46486771378823", "-1.52644486584142 5.87673060598709",
+    "-2.13875644258362 7.19525913329805", "-2.69348683581097 8.46037971396931",
+    "-3.21675402252485 9.69377351531791", "-3.72016840437287 10.90681139476287",
+)  # fmt: skip
+CAPSIZE = (
+    "-3.13164324790656 -3.13423125066578 -3.07158645641514 -2.63366137253667 -1.42944427361326 "
+    "-0.32286642900409 -0.00406690076970 0.10268170574766 0.14327879765713 0.15790184030917 "
+    "0.16105338653172"
+).split()
+CASTERING = (
+    "-5.53094371765393 -7.11008014637442 -8.67387984831735 -10.35101467245920 -12.15861426576447 "
+    "-14.07838969279822 -16.08537123098026 -18.15788466125262 -20.27940894394569 "
+    "-22.43788559040858 -24.62459635017404"
+).split()
+"""Eigenvalues at 0 to 10 m/s, as they are printed [Meijaard2007, table 2]; castering at 7 m/s ends
+with the digits 5202 here, and with 5177 by the matrices as they are printed."""
+
+
+def printed_eigenvalues(speed: int) -> list[mp.mpc]:
+    """The four at a speed; at rest those of weave are the opposites of the others."""
+    real = [mp.mpf(CAPSIZE[speed]), mp.mpf(CASTERING[speed])]
+    if not speed:
+        return [*real, *(-x for x in real)]
+    pair = mp.mpc(*WEAVE[speed - 1].split())
+    return [*real, pair, mp.conj(pair)]
+
 
 @pytest.mark.slow
 def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None:
@@ -407,6 +480,13 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
         ours = family.at(speed).spectrum
         gaps = np.abs(ours[:, None] - printed[None, :]).min(axis=1)
         assert len(ours) == 4 and gaps.max() < 1e-11
+        exact = [e for e in family.at(speed).eigenvalues(20) if e != 0]
+        for e in printed_eigenvalues(speed):
+            off = min(abs(e - x) for x in exact)
+            assert off < (7e-13 if str(e.real).startswith("-18.15") else 1.1e-13)
+    for slow in (family.at(3), moving("bicycle", {"delta": "1/2"}, starts=5)):  # and a turn
+        assert slow.kind == "uniform rolling"
+        assert slow.verdict.word == "unstable" and slow.verdict.proved
     weave, capsize = family.critical
     assert (weave.way, capsize.way) == ("pair", "real")
     assert weave.value == pytest.approx(4.29238253634111, abs=5e-14)
@@ -418,7 +498,10 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
 def test_commands_print_and_refuse(call: Call) -> None:
     answer = call("steady", "suslov", "--json")
     told = json.loads(answer.out)
-    assert answer.status == 0 and [m["kind"] for m in told["motions"]] == ["rest", "steady motion"]
+    assert answer.status == 0 and [m["kind"] for m in told["motions"]] == [
+        "rest",
+        "permanent rotation",
+    ]
     answer = call("stability", "falling-disc", "--over", "s", "--between", "0:3", "--at",
                      "gamma3=0", "--at", "q=0", "--hold", "q")  # fmt: skip
     assert "critical: s = 0.577350269189626: a real eigenvalue passes through zero" in answer.out
@@ -453,7 +536,7 @@ DIGITS = 80
 STEP = mp.mpf(10) ** -25
 
 
-def referee_field(system: vo.System) -> Any:
+def referee_field(system: vo.System, values: Mapping[Any, Any]) -> Any:
     """(q, v)' at a point, by multipliers; of the engine nothing but the names is used."""
     q = [*system.coordinates]
     dots = [vo.velocity(x) for x in q]
@@ -465,7 +548,6 @@ def referee_field(system: vo.System) -> Any:
     plain = {d: sp.Symbol(f"rate {i}") for i, d in enumerate(dots)}
     rows = [sp.sympify(r).xreplace(plain) for r in rows]
     rates = [*plain.values()]
-    values = {p.symbol: p.value for p in system.parameters}
     matrix = sp.Matrix(rows).jacobian(rates)
     rest = sp.Matrix([r.xreplace(dict.fromkeys(rates, sp.Integer(0))) for r in rows])
     quasi = [sp.sympify(meaning[x]).xreplace(plain) for x in v]
@@ -478,7 +560,7 @@ def referee_field(system: vo.System) -> Any:
         place, speeds = x[: len(q)], x[len(q) :]
         left, right = solve_for(place, speeds)
         moving = [*mp.lu_solve(left, -right)]
-        point = dict(zip([*q, *v], x, strict=True))
+        point = {**dict(zip([*q, *v], x, strict=True)), **values}
         found = vo.multiplier_acceleration(system, point, digits=DIGITS)
         bent = mp.matrix([mp.mpf(sp.N(found[c], DIGITS)) for c in q])
         here, along = slopes(place, moving)
@@ -524,12 +606,16 @@ def test_spectra_agree_with_differences_of_the_multiplier_route(
         ("falling-disc", {"gamma3": 0, "q": 0, "s": 1}, "s", (0, 2)),
         ("sleigh-on-turntable", {"v": "1/10"}, "v", (-1, 1)),
         ("bicycle", {"phi": 0, "delta": 0, "speed": 4}, "speed", (4, 5)),
+        ("chaplygin-ball", {"gamma1": 1, "omega1": 1}, "I2", ("3/10", "9/20")),
+        ("ball-on-sphere", {"gamma1": 0, "gamma3": 0, "G2": "1/2"}, "I3", ("2/5", "3/5")),
+        ("torus-on-ellipsoid", {"s": "1/2"}, "R", (1, "3/2")),
     ],
 )
 def test_critical_values_agree_with_differences_of_the_multiplier_route(
     name: str, at: Mapping[str, Any], over: str, between: tuple[float, float]
 ) -> None:
-    family = moving(name, at, starts=20).along(over, between, count=10)
+    hold = tuple(at) if over in ("I2", "I3", "R") else ()  # parameters
+    family = moving(name, at, starts=20).along(over, between, hold=hold, count=10)
     (critical,) = family.critical
     with mp.workdps(DIGITS):
         theirs = referee_eigenvalues(family.at(critical.exact))
@@ -547,8 +633,8 @@ def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
     names = [str(x) for x in (*system.coordinates, *system.velocities)]
     point = motion.in_digits(DIGITS)
     start = {str(x): e for x, e in motion.equations.formulation.start.items()}
-    meaning = {n: sp.sympify(start[n]) for n in point}
-    values = {p.symbol: p.value for p in system.parameters}
+    meaning = {n: sp.sympify(start[n]) for n in point if n in start}
+    values = {p.symbol: point.get(p.name, p.value) for p in system.parameters}
     meaning = {n: sp.sympify(e).xreplace(values) for n, e in meaning.items()}
     held = sorted({str(s) for e in meaning.values() for s in e.free_symbols})
     sides = [e - sp.Float(point[n], DIGITS) for n, e in meaning.items()]
@@ -557,7 +643,7 @@ def referee_eigenvalues(motion: vo.SteadyMotion) -> list[mp.mpc]:
     near = [point.get(n, x) for n, x in zip(held, near, strict=True)]
     known = dict(zip(held, solution(function, near), strict=True))
     x = [known.get(n, mp.mpf("0.3") if n != "z" else mp.mpf(0)) for n in names]
-    field, symbols = referee_field(system), [*map(sp.Symbol, names)]
+    field, symbols = referee_field(system, values), [*map(sp.Symbol, names)]
     inner = sp.Matrix([*meaning.values()]).jacobian(symbols)
     along = sp.lambdify([symbols], inner, "mpmath")
     columns = []

@@ -17,6 +17,7 @@ import flint
 import numpy as np
 import symengine as se
 
+from voronec.dynamics.natural_integrals import keeps_energy
 from voronec.dynamics.newton import RANK, polish
 from voronec.dynamics.spectrum import characteristic, root_on_right
 from voronec.dynamics.steady_equations import SteadyEquations, as_symengine
@@ -165,6 +166,11 @@ def _follow(
     n, m = equations.size, len(equations.formulation.relations)
     if any(i >= n for i in left):
         return False
+    if len(left) == 1 and left[0] >= len(equations.formulation.positions):
+        power = _energy_slope(motions, equations, left[0])
+        if power is not None:
+            held = replace(equations, held=()).fix({"power": (power, 0)})
+            return not held.balls(box, BITS)[-1].contains(0)
     proved = equations.proved_integrals(motions.equations)
     known = {name: (e, 0) for name, e in proved.items()}
     bare = replace(equations, held=())
@@ -175,3 +181,20 @@ def _follow(
     if len(chosen) < len(left):
         return False
     return not _block(slopes, [n + k for k in chosen], left).det().contains(0)
+
+
+def _energy_slope(motions: Motions, equations: SteadyEquations, j: int) -> Any | None:
+    """dE/dv_j = sum_i v_i M_ij of the energy, where that is constant by the form of the system,
+    and its potential holds no other coordinates than the variables: where these and all other
+    velocities are at rest, dE/dv_j dv_j/dt = 0.  Else, and where L is not quadratic in the
+    velocities, None."""
+    d, form = motions.equations.definition, equations.formulation
+    potential = d.lagrangian.subs(dict.fromkeys(d.dots, se.Integer(0)))
+    known = {*form.variables, *form.parameters}
+    squares = (d.lagrangian.diff(v).diff(w) for v in d.dots for w in d.dots)
+    if form.inertia or any({*d.dots} & e.free_symbols for e in squares):
+        return None
+    if not keeps_energy(motions.equations) or potential.free_symbols - known:
+        return None
+    i = j - len(form.positions)
+    return se.Add(*[v * row[i] for v, row in zip(form.velocities, form.mass, strict=True)])

@@ -54,6 +54,8 @@ FLAT = 1e-4
 """Where the quantity changes by less than this along the curve, in the units, there is a fold."""
 ROUNDING = 1e-9
 """Conditions below this share of what they are at the next point are zero but for rounding."""
+ZERO = 1e-12
+"""Variables below this, in their units, are zero but for rounding."""
 MOST_SECANTS = 8
 """The most steps of the secant method: from eight digits three steps lead to thirty."""
 WAYS = {
@@ -175,6 +177,17 @@ class SteadyFamily:
         """The values at which other families branch off."""
         return tuple(self._values_at_roots(self.curve.regularity))
 
+    @cached_property
+    def undefined(self) -> tuple[float, ...]:
+        """About where the curve passes over points at which a logarithm has no value."""
+        arguments = self.curve.equations.logarithms
+        found = set[float]()
+        for (a, b), (x, y) in zip(pairwise(self.points), pairwise(self.values), strict=True):
+            low, high = arguments.at(a)[0], arguments.at(b)[0]
+            passed = low * high < 0
+            found |= {*(x + (y - x) * low[passed] / (low - high)[passed]).tolist()}
+        return tuple(map(self._without_rounding, sorted(found)))
+
     def _values_at_roots(self, measure: Callable[..., float]) -> Iterator[float]:
         """The values at which a function of a point, the point before it and the direction between
         these vanishes."""
@@ -185,7 +198,7 @@ class SteadyFamily:
 
     def _without_rounding(self, value: Any) -> Any:
         """A value of the quantity, which is zero where it is one but for rounding."""
-        return value if abs(value) > 1e-14 * float(np.ptp(self.values)) else 0 * value
+        return value if abs(value) > 1e-14 * float(np.ptp(self.values)) else abs(0 * value)
 
     @cached_property
     def critical(self) -> tuple[Critical, ...]:
@@ -203,9 +216,7 @@ class SteadyFamily:
             begin, end = (float(self.values[k]) if x is None else float(x)
                           for x, k in ((begin, i), (end, j - 1)))  # fmt: skip
             middle = (i + j) // 2
-            equations = self.curve.with_value(float(self.values[middle])).equations
-            motion = replace(self.motion, equations=equations, y=self.points[middle],
-                             units=self.curve.units)  # fmt: skip
+            motion = self._motion_at(float(self.values[middle]), self.points[middle])
             found.append(StabilityRange(begin, end, int(self.unstable[middle]), motion))
         return tuple(found)
 
@@ -303,6 +314,7 @@ class SteadyFamily:
             raise IntegrationError(
                 f"the family is lost at {self.over} = {float(value):g}", float(value), near
             )
+        y = np.where(np.abs(y) < ZERO * curve.units, 0.0, y)
         return replace(self.motion, equations=curve.equations, y=y, units=curve.units)
 
     def plot(self) -> Figure:
@@ -340,7 +352,7 @@ class SteadyFamily:
                  "stability": str(r.motion.verdict)}
                 for r in self.ranges
             ],
-            "ends": list(self.ends),
+            "ends": list(self.ends), "undefined": list(self.undefined),
         }  # fmt: skip
 
 

@@ -46,11 +46,7 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
         pushed = any(row[i] != 0 for forms in bound for row in forms.matrix)
         if p != 0 and force == 0 and q not in held and not pushed:
             found[f"momentum of {name}"] = d.bridge.outward(p)
-    everything = (d.lagrangian, *d.relations, *(e for forms in bound for r in forms.matrix
-                                                for e in r))  # fmt: skip
-    power = se.expand(se.Add(*[f * v for f, v in zip(d.forces, d.dots, strict=True)]))
-    still = all(c == 0 for forms in bound for c in forms.offset)
-    if still and power == 0 and not any(d.time in e.free_symbols for e in everything):
+    if keeps_energy(equations):
         energy = se.Add(*[v * p for v, p in zip(d.dots, momenta, strict=True)]) - d.lagrangian
         found["energy"] = d.bridge.outward(energy)
     still_names = {*system.coordinates, *(p.symbol for p in system.parameters)}
@@ -68,3 +64,18 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
 def is_long(equations: VoronecEquations) -> bool:
     """Whether the constraints are long."""
     return operations([e for row in equations.definition.constraints.matrix for e in row]) > SHORT
+
+
+def keeps_energy(equations: VoronecEquations) -> bool:
+    """Whether the energy is constant by the form of the system, as it stands above."""
+    d = equations.definition
+    if d.group is not None or d.added:
+        return False
+    bound = (d.constraints, d.differentiated)
+    entries = (e for forms in bound for row in forms.matrix for e in row)
+    power = se.expand(se.Add(*[f * v for f, v in zip(d.forces, d.dots, strict=True)]))
+    return (
+        power == 0
+        and all(c == 0 for forms in bound for c in forms.offset)
+        and not any(d.time in e.free_symbols for e in (d.lagrangian, *d.relations, *entries))
+    )

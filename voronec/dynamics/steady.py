@@ -29,6 +29,7 @@ from voronec.dynamics.enclosure import enclosed_on_right
 from voronec.dynamics.energy_casimir import proved_stable
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
+from voronec.dynamics.kinds import kind_of
 from voronec.dynamics.newton import null_space, pivots, polish, solve, solve_across
 from voronec.dynamics.poles import regular_at_poles
 from voronec.dynamics.spectrum import (
@@ -148,10 +149,10 @@ class SteadyMotion:
         moving |= {str(v) for v in equations.formulation.velocities}
         return all(x == 0 for n, x in {**still, **self.point}.items() if n in moving)
 
-    @property
+    @cached_property
     def kind(self) -> str:
-        """``rest`` or ``steady motion``."""
-        return "rest" if self.is_rest else "steady motion"
+        """``rest``, ``permanent rotation``, ``uniform rolling`` or ``steady motion``."""
+        return kind_of(self)
 
     @cached_property
     def matrix(self) -> np.ndarray:

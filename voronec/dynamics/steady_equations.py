@@ -23,6 +23,7 @@ import sympy as sp
 from voronec.algebra.memo import Memo
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.tape import as_ball
+from voronec.algebra.terms import atoms
 from voronec.algebra.text import name_or_formula
 from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression, quote
@@ -133,11 +134,11 @@ class SteadyEquations:
         proved = self.proved_integrals(equations)
         return found | {n: (e, None) for n, e in proved.items() if n not in found}
 
-    @property
+    @cached_property
     def _joint(self) -> JointFunction:
         """F without its targets; it is made once for all values."""
         found: JointFunction = self.memo.once((self.unknowns, self.held), self._write)
-        return found
+        return found.with_values(self.values)
 
     def _write(self) -> JointFunction:
         derivative = self.rates.derivative
@@ -148,6 +149,18 @@ class SteadyEquations:
             (*derivative.assignments, *more.assignments), (*derivative.results, *more.results)
         )
         return JointFunction.of(self.rates.time, self.symbols[1:], rows, self.unknowns)
+
+    @cached_property
+    def logarithms(self) -> JointFunction:
+        """What vanishes where a logarithm has no value."""
+        rows = self._joint.rows
+        found = atoms([*(e for _, e in rows.assignments), *rows.results], se.log)
+        named = dict(rows.assignments)
+        inner = (named.get(f.args[0], f.args[0]) for f in found)
+        bases = tuple(e.args[0] if isinstance(e, se.Pow) else e for e in inner)
+        block = share_subexpressions(bases, fresh_names([*self.symbols, *named]), rows.assignments)
+        time, *symbols = self.symbols
+        return JointFunction.of(time, symbols, block, self.unknowns).with_values(self.values)
 
     @property
     def symbols(self) -> tuple[Any, ...]:
@@ -182,17 +195,13 @@ class SteadyEquations:
         return self.at(y)[1][: self.size, : self.size]
 
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found, slopes = self._joint.at(y, self._doubles)
+        found, slopes = self._joint.at(y)
         found[len(found) - len(self.held) :] -= self._target_doubles
         return found, slopes
 
-    @cached_property
-    def _doubles(self) -> list[float]:
-        return self._joint.doubles(self.values)
-
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
-        found = self._joint.balls(y, self.values, bits)
+        found = self._joint.balls(y, bits)
         with flint.ctx.workprec(bits):
             for i, target in enumerate(self._targets, len(found) - len(self.held)):
                 found[i] -= as_ball(target)
@@ -200,7 +209,7 @@ class SteadyEquations:
 
     def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
-        return self._joint.slopes_in_balls(y, self.values, bits)
+        return self._joint.slopes_in_balls(y, bits)
 
 
 def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
