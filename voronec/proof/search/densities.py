@@ -96,17 +96,23 @@ class DensitySearch:
         return html_table(f"{self.kind} of {self.system}", rows)
 
     @property
+    def decided(self) -> bool:
+        """Whether something is proved: what was found, or that there is none."""
+        return self.excluded if self.found is None else self.found.verdict.proved
+
+    @property
     def statement(self) -> str:
         """What is proved, in words."""
+        article = "an" if self.kind[0] in "aeiou" else "a"
         if self.found is not None:
             verdict = self.found.verdict
             words = " ".join(filter(None, (verdict.status, verdict.limits)))
             why = "" if verdict.proved else f", {verdict.method}"
-            return f"{plain_text(self.found.expression)} is a {self.kind}: {words}{why}."
+            return f"{plain_text(self.found.expression)} is {article} {self.kind}: {words}{why}."
         sure = (
             "is proved not to exist, for generic parameters" if self.excluded else "was not found"
         )
-        return f"A {self.kind} that is a product of powers of these factors {sure}."
+        return f"{article.title()} {self.kind} that is a product of powers of these factors {sure}."
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""

@@ -40,7 +40,6 @@ from voronec.proof.search.residues import Array
 from voronec.proof.search.search import search_integrals
 from voronec.proof.search.symmetries import SPARE, lift_kernel
 
-
 CIRCULAR = (se.sin, se.cos, se.tan)
 
 
@@ -83,6 +82,11 @@ class GaugeSearch:
             return f"{momentum.kind}: {_written(momentum.generator)}"
         along = " + ".join(f"({plain_text(f)}) {name}" for name, f in parts.items() if f != 0)
         return f"{momentum.kind}: {along}"
+
+    @property
+    def decided(self) -> bool:
+        """Whether all integrals are proved."""
+        return all(m.verdict.proved for m in self.momenta)
 
     @property
     def statement(self) -> str:

@@ -85,7 +85,7 @@ class RationalBound:
         return self.monomials - self.rank - self.explained
 
     @property
-    def excluded(self) -> bool:
+    def decided(self) -> bool:
         """Whether it is proved that there is no further rational integral up to the degree."""
         return self.excess == 0
 
@@ -98,7 +98,7 @@ class RationalBound:
             where += f" (formal: no body has these values, which violate {', '.join(self.formal)})"
         known = ", ".join(self.known) or "none but constants"
         form = f"of degree at most {self.degree} in {', '.join(self.letters)}"
-        if self.excluded:
+        if self.decided:
             return f"No further rational integral {form}{where}. Known: {known}."
         return (
             f"Undecided: {self.excess} more polynomials {form} vanish on the orbits tried than the "
@@ -117,7 +117,7 @@ class RationalBound:
             "rank": self.rank,
             "explained": self.explained,
             "excess": self.excess,
-            "excluded": self.excluded,
+            "decided": self.decided,
             "formal": list(self.formal),
             "statement": self.statement,
             "seconds": round(self.seconds, 3),

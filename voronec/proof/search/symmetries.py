@@ -101,7 +101,7 @@ class SymmetrySearch:
         return html_table(f"symmetries of {self.system}", [*rows, ("statement", self.statement)])
 
     @property
-    def proved(self) -> bool:
+    def decided(self) -> bool:
         """Whether all that was found is proved."""
         return all(f.verdict.proved for f in (*self.fields, *self.maps))
 
