@@ -378,6 +378,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         "searches", "prove that there is no further rational integral of bounded degree", SYSTEM,
         _number("degree", 4, "the degree of numerator and denominator"),
         Option("--velocities", "use the velocities of the equations instead of momenta"), AT,
+        _several("--body EXPR", "negative for no body, such as I2+I3-I1" + OFTEN),
     ),
     "new": (
         "template", "write a file with a small system to start from",

@@ -21,7 +21,9 @@ def execute(arguments: Namespace) -> int:
     for name in ("exponent", "positions", "degree"):
         if hasattr(arguments, name):
             options[name] = getattr(arguments, name)
-    for name, option in (("factors", "--factor"), ("integrals", "--integral")):
+    for name, option in (
+        ("factors", "--factor"), ("integrals", "--integral"), ("body", "--body"),
+    ):  # fmt: skip
         if hasattr(arguments, name):
             options[name] = [formula(text, option) for text in getattr(arguments, name)]
     if hasattr(arguments, "velocities"):

@@ -131,6 +131,7 @@ def exclude_rational_integrals(
     *,
     at: Mapping[Any, Any] | None = None,
     momenta: bool = True,
+    body: Sequence[Any] = (),
     seed: int = 1,
 ) -> RationalBound:
     """Whether a system has no rational integral P/Q of a bounded degree beside the known ones.
@@ -142,6 +143,9 @@ def exclude_rational_integrals(
         parameter -> value; the others have their default values.
     momenta
         whether the letters are the momenta, or the velocities of the equations.
+    body
+        expressions of the parameters that are negative for no body, such as I2 + I3 - I1, or
+        2 m R^2 - I1 - I2 - I3 of a ball; where one is, the values are called formal.
 
     The answer holds for these values of the parameters alone: ``statement`` says it in words, by
     the argument of [Theory, eq. (36)].  Declared integrals count as known where they are proved.
@@ -182,7 +186,7 @@ def exclude_rational_integrals(
         monomials=len(exponents),
         rank=rank,
         explained=explained,
-        formal=_violated(motions.system, values),
+        formal=_violated(motions.system, body, values),
         seconds=perf_counter() - begin,
     )
 
@@ -206,9 +210,13 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     return {p.symbol: values[p.symbol] for p in needed}
 
 
-def _violated(system: System, values: Mapping[Any, Any]) -> tuple[str, ...]:
+def _violated(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
     """The conditions on the parameters that values do not meet."""
-    return tuple(str(c) for c in system.conditions if c.xreplace(dict(values)) == sp.false)
+    named = {p.name: p.symbol for p in system.parameters}
+    known = [as_expression(e) for e in body]
+    known = [e.xreplace({s: named.get(str(s), s) for s in e.free_symbols}) for e in known]
+    conditions = [*system.conditions, *(sp.Ge(e, 0, evaluate=False) for e in known)]
+    return tuple(plain_text(c) for c in conditions if c.xreplace(dict(values)).doit() == sp.false)
 
 
 def _require_memory(letters: int, degree: int) -> None:
@@ -443,7 +451,7 @@ class _Letters:
         cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
     ) -> _Letters:
         ring, moving = flow.ring, [*field.velocities]
-        still = [g for g in ring.meaning if g not in moving]
+        still = [g for q in field.positions for g in (q, *ring.pairs.get(q, ())) if ring.has(g)]
         functions, solved = moving, dict[Any, Any]()
         names = [str(field.bridge.outward(g)) for g in [*still, *moving]]
         if momenta:

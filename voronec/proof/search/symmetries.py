@@ -111,7 +111,8 @@ class SymmetrySearch:
         form = "signed permutations" if self.permuted else "changes of sign"
         counted = f"{self.symmetries} {form} are symmetries and {self.reversors} are reversors"
         counted = self.missing or counted
-        return f"{len(self.fields)} independent affine fields commute with the motion; {counted}."
+        fields = f"{len(self.fields)} independent affine fields take motions to motions"
+        return f"{fields}; {counted}."
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
