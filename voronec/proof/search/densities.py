@@ -3,7 +3,7 @@
 With log rho = a_1 log p_1 + ... + a_k log p_k + a polynomial in the state, the condition for an
 invariant measure is linear in the coefficients:
 
-    a_1 X(p_1)/p_1 + ... + a_k X(p_k)/p_k + X(polynomial) + div X - tr C = 0,               (37)
+    a_1 X(p_1)/p_1 + ... + a_k X(p_k)/p_k + X(polynomial) + div X - tr C = 0,               (32)
 
 C as in [Theory, eq. (14)].  The p_i are factors that the equations hold.  At random points modulo
 a prime it is a system of numbers.  Its solution is lifted to Q and the parameters, and the density
@@ -11,7 +11,7 @@ is handed to the prover of declared measures, which derives the divergence by fo
 
 In another time, dtau = N dt, N a reducing multiplier, the volume of coordinates and momenta is
 invariant; so N^(k - 1) times that volume is in the time t, for k independent velocities, and N
-follows from the density.
+follows from the density [Theory, eq. (33)].
 """
 
 from __future__ import annotations
@@ -284,7 +284,8 @@ class _Ansatz:
         base = len(field.positions) if base is None else base
         moving = {*field.positions[:base], *(field.velocities if velocities else ())}
         own = [field.read(as_expression(f)) for f in given]
-        held = [*own, *_factors(field, [] if weight is None else [weight])]
+        named = [] if field.determinant is None else [determinant(field.mass)]
+        held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
         factors = list(dict.fromkeys(usable))[: FACTORS + len(own)]
         degrees = range(1, exponent + 1)
@@ -321,7 +322,7 @@ class _Ansatz:
         return Probe(field, letters, [*field.entries, *slopes])
 
     def _table(self, values: Values) -> Array:
-        """The terms of [Theory, eq. (37)], (point, unknown), those without unknowns last."""
+        """The terms of [Theory, eq. (32)], (point, unknown), those without unknowns last."""
         p, count = values.p, len(self.factors)
         rates = values.logarithmic.copy()
         end = count + len(self.terms)
@@ -354,11 +355,14 @@ class _Ansatz:
 
     def _written(self, used: Sequence[tuple[Any, Any]]) -> Any:
         """The density; factors under roots are positive at some state."""
+        named = None if self.field.determinant is None else determinant(self.field.mass)
         factors = {*self.factors}
         parts, exponents = [], []
         for f, a in used:
             if f not in factors:
                 exponents.append(a * f)
+            elif f == named:
+                parts.append(self.field.determinant**a)
             else:
                 whole = isinstance(a, se.Integer)
                 parts.append((f if whole or not self._is_negative(f) else -f) ** a)

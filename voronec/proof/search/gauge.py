@@ -3,7 +3,7 @@
 An integral J that is linear in the velocities is p(xi), p the momenta dLc/dv, of one field xi that
 the constraints allow, its *generator*.  Where xi is sum f_a(q) Y_a with fields Y_a that leave the
 Lagrangian unchanged, J is a gauge momentum; where all f_a are constants it is the momentum of a
-horizontal symmetry [FassoGiacobbeSansonetto2009].
+horizontal symmetry [FassoGiacobbeSansonetto2008].
 
 The Y_a are found as affine fields on the coordinates, by linear algebra at random points modulo a
 prime, or are given.

@@ -5,10 +5,10 @@ vanishes along it; so do multiples of the relations between the letters, and of 
 each known integral F = A/B.  With M the number of monomials up to the degree, those that are
 leading in the relations left out, the number
 
-    excess = M - rank(series of the monomials) - rank(multiples of the known integrals)         (36)
+    excess = M - rank(series of the monomials) - rank(multiples of the known integrals)         (31)
 
 bounds from above how many polynomials vanish on the generic orbit beside these multiples.  Where it
-is 0, every rational integral up to the degree is a function of the known ones [Theory, eq. (36)].
+is 0, every rational integral up to the degree is a function of the known ones [Theory, eq. (31)].
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ def exclude_rational_integrals(
         2 m R^2 - I1 - I2 - I3 of a ball; where one is, the values are called formal.
 
     The answer holds for these values of the parameters alone: ``statement`` says it in words, by
-    the argument of [Theory, eq. (36)].  Declared integrals count as known where they are proved.
+    the argument of [Theory, eq. (31)].  Declared integrals count as known where they are proved.
     Raises ``DefinitionError`` for a parameter without a value, ``EngineLimit`` where the equations
     are not rational or the degree asks for more memory than there is.
     """
@@ -551,18 +551,24 @@ class _Letters:
     def rank_of_multiples(self, exponents: Array, degree: int, p: int, rng: Any) -> int:
         """How many multiples of the known integrals on a level, of degrees up to the bound, are
         independent functions: their rank at random states."""
+        if not self.known:
+            return 0
         totals = exponents.sum(axis=1)
         factors = [exponents[totals <= degree - known.degree] for known in self.known.values()]
         count = sum(map(len, factors)) + SURPLUS
         letters = self.values(self.flow.points(count, p, rng), p)
+        values = [known.polynomials.values(letters, p) for known in self.known.values()]
         columns: list[Array] = []
-        for known, rows in zip(self.known.values(), factors, strict=True):
-            above, below = known.polynomials.values(letters, p)
-            level = above[0] * pow(int(below[0]), -1, p) % p if below[0] else 0
+        regular = np.flatnonzero(np.all([below for _, below in values], axis=0))
+        if not len(regular):
+            return 0
+        place = regular[0]  # the state whose level is meant
+        for (above, below), rows in zip(values, factors, strict=True):
+            level = above[place] * pow(int(below[place]), -1, p) % p
             vanishing = (above - level * below) % p
             columns += [m * vanishing % p for m in _products(rows, letters, p)]
         entries = [x for column in columns for x in column.tolist()]
-        return int(flint.nmod_mat(len(columns), count, entries, p).rank()) if columns else 0
+        return int(flint.nmod_mat(len(columns), count, entries, p).rank())
 
 
 def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:

@@ -1,8 +1,9 @@
 """Linear symmetries of the equations: fields that commute with the motion, and signed permutations.
 
 An affine field Y = B x + b on the variables x takes motions to motions, up to a change of clock,
-where [X, Y] = c X, which is linear in B, b and c; on relations R between variables Y(R) = 0 where
-R = 0.  Solved at random points modulo a prime, it gives all of them for generic parameters.
+where [X, Y] = c X [Theory, eq. (34)], which is linear in B, b and c; on relations R between
+variables Y(R) = 0 where R = 0.  Solved at random points modulo a prime, it gives all of them for
+generic parameters.
 
 A signed permutation A of the variables is a symmetry where X(A x) = A X(x), and a reversor where
 X(A x) = -A X(x).  All are tried at a random point modulo a prime, at random parameters.
