@@ -8,8 +8,8 @@ generic parameters.
 A signed permutation A of the variables is a symmetry where X(A x) = A X(x), and a reversor where
 X(A x) = -A X(x).  All are tried at a random point modulo a prime, at random parameters.
 
-Whatever is found is proved by the exact algebra from the accelerations, which are not used to find
-it.
+Whatever is found is proved by the exact algebra: from mass and force, where a symmetry keeps the
+mass, else from the accelerations.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import accepts
+from voronec.algebra.matrices import dot
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.system import System
@@ -222,14 +223,39 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
     def along(function: Any) -> Any:
         return se.Add(*[c * function.diff(x) for c, x in zip(y, field.variables, strict=True)])
 
-    residuals = [
-        (f"the rate of '{x}'", field.derivative(c) - along(rate) - clock * rate)
-        for x, c, rate in zip(field.variables, y, field.components, strict=True)
+    still = len(field.positions)
+    kept = [(f"the relation '{r}'", along(r)) for r in field.relations]
+    pushed = dict(zip(field.variables, field.rates, strict=False))
+    rates = [
+        se.Add(*[rate * c.diff(q) for q, rate in pushed.items()]) - along(rate) - clock * rate
+        for c, rate in zip(y, field.rates, strict=False)
     ]
-    residuals += [(f"the relation '{r}'", along(r)) for r in field.relations]
+    turn = [[c.diff(v) for v in field.velocities] for c in y[still:]]
+    # without the inverse of the mass, where Y changes the mass by a factor
+    for factor in dict.fromkeys((se.Integer(0), -2 * clock)):
+        mass = [
+            along(m) + dot(column, other) + dot(row, back) - factor * m
+            for row, column in zip(field.mass, zip(*turn, strict=True), strict=True)
+            for m, other, back in zip(
+                row, zip(*field.mass, strict=True), zip(*turn, strict=True), strict=True
+            )
+        ]
+        force = [
+            along(f) + dot(column, field.force) - (factor - clock) * f
+            for f, column in zip(field.force, zip(*turn, strict=True), strict=True)
+        ]
+        found = all_zero([*kept, *(("", e) for e in (*rates, *mass, *force))], field.hypotheses)
+        if found.proved:
+            break
+    else:
+        residuals = [
+            (f"the rate of '{x}'", field.derivative(c) - along(rate) - clock * rate)
+            for x, c, rate in zip(field.variables, y, field.components, strict=True)
+        ]
+        found = all_zero([*residuals, *kept], field.hypotheses)
     outward = field.bridge.outward
     shown = {outward(x): outward(c) for x, c in zip(field.variables, y, strict=True) if c != 0}
-    return SymmetryField(shown, outward(clock), all_zero(residuals, field.hypotheses))
+    return SymmetryField(shown, outward(clock), found)
 
 
 Element = tuple[tuple[int, ...], tuple[int, ...], int]
@@ -339,13 +365,29 @@ def _proved_map(field: VectorField, flow: RationalFlow, element: Element) -> Sym
         # cos and sin of (w + k pi)/d are those of w/d with their signs
         images.setdefault(a, up * side * other + (se.pi * parts[a] if up < 0 else 0))
     moved = {x: e for x, e in images.items() if e != x}
-    jacobian = {x: e.diff(y) for x, e in images.items() for y in e.free_symbols}
-    residuals = []
-    for x, rate in zip(field.variables, field.components, strict=True):
-        (y,) = images[x].free_symbols & {*field.variables}
-        own = field.components[field.variables.index(y)]
-        residuals.append((f"the rate of '{x}'", jacobian[x] * own * time - rate.xreplace(moved)))
-    residuals += [(f"the relation '{r}'", r.xreplace(moved)) for r in field.relations]
+    targets = [next(iter(images[x].free_symbols)) for x in field.variables]
+    factors = [time * images[x].diff(y) for x, y in zip(field.variables, targets, strict=True)]
+    places, still = [field.variables.index(y) for y in targets], len(field.positions)
+    kept = [(f"the relation '{r}'", r.xreplace(moved)) for r in field.relations]
+
+    def rates(all_rates: Sequence[Any]) -> list[tuple[str, Any]]:
+        return [
+            (f"the rate of '{x}'", f * all_rates[i] - rate.xreplace(moved))
+            for x, f, i, rate in zip(field.variables, factors, places, all_rates, strict=False)
+        ]
+
+    # without the inverse of the mass, where the map keeps the mass
+    size = range(len(field.velocities))
+    sign, at = factors[still:], [i - still for i in places[still:]]
+    kinetic = [
+        ("", sign[i] * sign[j] * field.mass[i][j].xreplace(moved) - field.mass[at[i]][at[j]])
+        for i in size
+        for j in size
+    ]
+    work = [("", sign[i] * field.force[i].xreplace(moved) - field.force[at[i]]) for i in size]
+    found = all_zero([*kept, *rates(field.rates), *kinetic, *work], field.hypotheses)
+    if not found.proved:
+        found = all_zero([*kept, *rates(field.components)], field.hypotheses)
     outward = field.bridge.outward
     shown = {outward(x): outward(e) for x, e in moved.items()}
-    return SymmetryMap(shown, time < 0, all_zero(residuals, field.hypotheses))
+    return SymmetryMap(shown, time < 0, found)
