@@ -22,7 +22,6 @@ from typing import Any
 import sympy as sp
 
 import voronec as vo
-from voronec.declaration.claims import right_of
 from voronec.errors import VoronecError
 
 MANY = 9
@@ -116,7 +115,7 @@ def _rank(degree: int) -> int:
     wheels = [(0, 0, 0), (0, 0, ratio(1, 2)), (ratio(3, 10), ratio(-1, 5), ratio(1, 2)), (1, 2, 0)]
     bodies = [(ratio(4, 10), ratio(5, 10), ratio(6 + k, 10)) for k in range(10)]
     radius = [f"I{i} + I{j} - I{k}" for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2))]
-    begin, wrong, count = time.perf_counter(), 0, Counter[str]()
+    begin, wrong, count = (time.perf_counter(), time.process_time()), 0, Counter[str]()
     for epsilon in epsilons:
         for wheel in wheels:
             for moments in bodies:
@@ -136,5 +135,6 @@ def _rank(degree: int) -> int:
                     print(f"epsilon {epsilon}, kappa {wheel}, I {moments}: {found.statement}")
     for key, number in count.items():
         print(f"{number:5}  {key}")
-    print(f"degree {degree}: {wrong} wrong, {time.perf_counter() - begin:.0f} s")
+    wall, cpu = time.perf_counter() - begin[0], time.process_time() - begin[1]
+    print(f"degree {degree}: {wrong} wrong, {wall:.0f} s, {cpu:.0f} s of CPU")
     return 1 if wrong else 0

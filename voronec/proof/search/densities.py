@@ -311,9 +311,7 @@ class _Ansatz:
             return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
 
         powers = lift_vector(vector, len(pivots), probe, rng)
-        chosen = [*self.factors, *self.terms]
-        used = [(chosen[i], a) for i, a in zip(pivots, powers, strict=True) if a != 0]
-        return self._written(used), sure
+        return self._written(dict(zip(pivots, powers, strict=True))), sure
 
     def _probe(self) -> Probe:
         field = self.field
@@ -353,20 +351,20 @@ class _Ansatz:
         solved, _ = solve_each(turned, right, p)
         return total - sum(solved[i, i] for i in range(count))
 
-    def _written(self, used: Sequence[tuple[Any, Any]]) -> Any:
-        """The density; factors under roots are positive at some state."""
+    def _written(self, powers: Mapping[int, Any]) -> Any:
+        """The density by its powers; factors under roots are positive at some state."""
         named = None if self.field.determinant is None else determinant(self.field.mass)
-        factors = {*self.factors}
         parts, exponents = [], []
-        for f, a in used:
-            if f not in factors:
-                exponents.append(a * f)
-            elif f == named:
+        for i, a in powers.items():
+            if i >= len(self.factors):
+                exponents.append(a * self.terms[i - len(self.factors)])
+            elif self.factors[i] == named:
                 parts.append(self.field.determinant**a)
-            else:
-                whole = isinstance(a, se.Integer)
-                parts.append((f if whole or not self._is_negative(f) else -f) ** a)
-        return se.Mul(*parts, se.exp(se.Add(*exponents)) if exponents else se.Integer(1))
+            elif a != 0:
+                f = self.factors[i]
+                turned = not isinstance(a, se.Integer) and self._is_negative(f)
+                parts.append((-f if turned else f) ** a)
+        return se.Mul(*parts, se.exp(se.Add(*exponents)))
 
     def _is_negative(self, factor: Any) -> bool:
         for _, (value,) in sample_evaluable(Tape([factor]), self.field.hypotheses, count=1):
