@@ -49,8 +49,9 @@ def _symmetries(result: Any) -> list[str]:
 
 
 def _gauge(result: Any) -> list[str]:
-    data = result.as_dict()
-    lines = columns([[name, f"= {y}"] for name, y in data["symmetries"].items()])
+    from voronec.proof.search.gauge import write_field
+
+    lines = columns([[name, f"= {write_field(y)}"] for name, y in result.symmetries.items()])
     for m in result.momenta:
         lines += ["", f"  {plain(m.expression)}", f"  {m.verdict.status}, {result.words(m)}"]
     return lines

@@ -47,6 +47,7 @@ from voronec.proof.claims import specialise
 from voronec.proof.hamiltonian_form import decide_multiplier
 from voronec.proof.measures import decide_measure
 from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
 from voronec.proof.search.residues import Array, free_columns
 from voronec.proof.search.search import parameter_values
@@ -69,7 +70,7 @@ class FoundDensity:
     verdict: Verdict
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class DensitySearch:
     """The outcome of a search for a density or a reducing multiplier, ``kind``.
 
@@ -83,10 +84,6 @@ class DensitySearch:
     found: FoundDensity | None
     excluded: bool
     seconds: float
-
-    def __repr__(self) -> str:
-        held = "none" if self.found is None else str(self.found.expression)
-        return f"DensitySearch({self.system!r}, {self.kind}: {held})"
 
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and the statement."""
@@ -116,19 +113,7 @@ class DensitySearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        found = self.found
-        return {
-            "system": self.system,
-            "kind": self.kind,
-            "factors": [plain_text(f) for f in self.factors],
-            "found": None if found is None else plain_text(found.expression),
-            "variables": [] if found is None else [plain_text(x) for x in found.variables],
-            "verdict": None if found is None else found.verdict.status,
-            "limits": "" if found is None else found.verdict.limits,
-            "excluded": self.excluded,
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
 
 
 @accepts()

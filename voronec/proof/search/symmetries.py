@@ -36,6 +36,7 @@ from voronec.errors import EngineLimit
 from voronec.proof.decision import all_zero
 from voronec.proof.search.densities import motions_at
 from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes
 from voronec.proof.search.rational import RationalFlow
 from voronec.proof.search.residues import PRIMES, Array, kernel
@@ -77,7 +78,7 @@ class SymmetryMap:
         return ", ".join(parts) + (", t -> -t" if self.reverses else "")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class SymmetrySearch:
     """The symmetries found: affine ``fields``, a basis for generic parameters, and ``maps`` that
     generate all signed permutations, ``symmetries`` and ``reversors`` in number.
@@ -93,9 +94,6 @@ class SymmetrySearch:
     permuted: bool
     missing: str
     seconds: float
-
-    def __repr__(self) -> str:
-        return f"SymmetrySearch({self.system!r}, {len(self.fields)} fields, {len(self.maps)} maps)"
 
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and the statement."""
@@ -118,18 +116,8 @@ class SymmetrySearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {
-            "system": self.system,
-            "fields": [{"field": str(f), "verdict": f.verdict.status} for f in self.fields],
-            "maps": [
-                {"map": str(m), "reverses": m.reverses, "verdict": m.verdict.status}
-                for m in self.maps
-            ],
-            "symmetries": self.symmetries,
-            "reversors": self.reversors,
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        texts = {"fields": [*map(str, self.fields)], "maps": [*map(str, self.maps)]}
+        return {**plain_data(self), **texts, "decided": self.decided, "statement": self.statement}
 
 
 @accepts()
@@ -148,19 +136,16 @@ def search_symmetries(
     if any(field.time in e.free_symbols for e in field.entries):
         raise EngineLimit("equations that hold the time: their symmetries are not searched")
     fields = tuple(_affine_fields(field, rng))
+    maps, times, permuted, missing = (), list[int](), False, ""
     try:
-        group = _Group.of(field, rng)
+        flow, elements, permuted = _group(field, rng)
+        maps = tuple(_proved_map(field, flow, a) for a in _generators(elements))
+        times = [time for *_, time in elements]
     except EngineLimit as limit:  # equations that are not rational
-        return SymmetrySearch(
-            motions.system.name, fields, (), 0, 0, False, f"maps were not tried: {limit}",
-            perf_counter() - begin,
-        )  # fmt: skip
-    maps = tuple(_proved_map(field, group.flow, a) for a in group.generators())
-    backward = sum(t < 0 for *_, t in group.elements)
-    return SymmetrySearch(
-        motions.system.name, fields, maps, len(group.elements) - backward, backward,
-        group.permuted, "", perf_counter() - begin,
-    )  # fmt: skip
+        missing = f"maps were not tried: {limit}"
+    name, forward = motions.system.name, times.count(1)
+    backward, seconds = len(times) - forward, perf_counter() - begin
+    return SymmetrySearch(name, fields, maps, forward, backward, permuted, missing, seconds)
 
 
 def _affine_fields(field: VectorField, rng: Any) -> Iterator[SymmetryField]:
@@ -213,6 +198,17 @@ def _commutator_table(field: VectorField, values: Values) -> Array:
     return np.moveaxis(table % p, 2, 1).reshape(-1, unknown)
 
 
+def _equations(field: VectorField, slopes: Sequence[Any]) -> list[Any]:
+    """What vanishes along the motion, in the variables and their slopes."""
+    moved = slopes[len(field.positions) :]
+    rates = [d - e for d, e in zip(slopes, field.rates, strict=False)]
+    return rates + [dot(m, moved) - f for m, f in zip(field.mass, field.force, strict=True)]
+
+
+def _vanish(field: VectorField, residuals: Sequence[Any]) -> Verdict:
+    return all_zero([("", e) for e in residuals], field.hypotheses)
+
+
 def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryField:
     size, variables = len(field.variables), [*field.variables, se.Integer(1)]
     y, clock = [se.Integer(0)] * size, entries.get(size * (size + 1), se.Integer(0))
@@ -223,36 +219,34 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
     def along(function: Any) -> Any:
         return se.Add(*[c * function.diff(x) for c, x in zip(y, field.variables, strict=True)])
 
-    still = len(field.positions)
-    kept = [(f"the relation '{r}'", along(r)) for r in field.relations]
-    pushed = dict(zip(field.variables, field.rates, strict=False))
-    rates = [
-        se.Add(*[rate * c.diff(q) for q, rate in pushed.items()]) - along(rate) - clock * rate
-        for c, rate in zip(y, field.rates, strict=False)
-    ]
-    turn = [[c.diff(v) for v in field.velocities] for c in y[still:]]
-    # without the inverse of the mass, where Y changes the mass by a factor
+    turn = [[c.diff(x) for x in field.variables] for c in y]
+    slopes = [se.Symbol(f"slope {i}") for i in range(size)]
+    pushed = [dot(row, slopes) - clock * d for row, d in zip(turn, slopes, strict=True)]
+
+    def prolonged(row: Any) -> Any:
+        """The change of an equation between the variables and their slopes."""
+        return along(row) + dot(pushed, [row.diff(d) for d in slopes])
+
+    still, kept = len(field.positions), [along(r) for r in field.relations]
+    found = Verdict("undecided", "")
+    # where Y changes the mass by a factor, no inverse of it is needed
     for factor in dict.fromkeys((se.Integer(0), -2 * clock)):
-        mass = [
-            along(m) + dot(column, other) + dot(row, back) - factor * m
-            for row, column in zip(field.mass, zip(*turn, strict=True), strict=True)
-            for m, other, back in zip(
-                row, zip(*field.mass, strict=True), zip(*turn, strict=True), strict=True
-            )
-        ]
-        force = [
-            along(f) + dot(column, field.force) - (factor - clock) * f
-            for f, column in zip(field.force, zip(*turn, strict=True), strict=True)
-        ]
-        found = all_zero([*kept, *(("", e) for e in (*rates, *mass, *force))], field.hypotheses)
-        if found.proved:
-            break
-    else:
+        rows = _equations(field, slopes)
+        back = [*zip(*turn[still:], strict=True)][still:]  # the transposed matrix of the velocities
         residuals = [
-            (f"the rate of '{x}'", field.derivative(c) - along(rate) - clock * rate)
-            for x, c, rate in zip(field.variables, y, field.components, strict=True)
+            prolonged(e) - dot(row[:still], rows[:still]) + clock * e
+            for e, row in zip(rows[:still], turn, strict=False)
         ]
-        found = all_zero([*residuals, *kept], field.hypotheses)
+        residuals += [
+            prolonged(e) + dot(row, rows[still:]) - (factor - clock) * e
+            for e, row in zip(rows[still:], back, strict=True)
+        ]
+        found = found if found.proved else _vanish(field, [*kept, *residuals])
+    if not found.proved:
+        rows = [d - e for d, e in zip(slopes, field.components, strict=True)]
+        changes = zip(rows, turn, strict=True)
+        residuals = [prolonged(e) - dot(own, rows) + clock * e for e, own in changes]
+        found = _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(c) for x, c in zip(field.variables, y, strict=True) if c != 0}
     return SymmetryField(shown, outward(clock), found)
@@ -262,57 +256,43 @@ Element = tuple[tuple[int, ...], tuple[int, ...], int]
 """Of a signed permutation of generators: places, signs, and 1 or -1 for the time."""
 
 
-@dataclass(frozen=True)
-class _Group:
-    """Signed permutations of the generators of a flow that take motions to motions."""
+def _group(field: VectorField, rng: Any) -> tuple[RationalFlow, list[Element], bool]:
+    """The signed permutations of the generators of a flow that take motions to motions, and whether
+    more than changes of sign were tried."""
+    held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
+    drawn = {s: int(rng.integers(2, DRAWN)) for s in field.parameters if s in held}
+    values = {field.bridge.outward(s): sp.Integer(n) for s, n in drawn.items()}
+    flow, p = RationalFlow(specialize_field(field, values)), PRIMES[0]
+    size = len(flow.generators)
+    if 2**size > MAPS:
+        raise EngineLimit(f"there are {size} variables")
+    orbit = [series[:, 0] for series in flow.orbit(1, p, rng)]
+    signs = np.array([*product((1, -1), repeat=size)], dtype=np.int64)
+    orders, found = _arrangements(flow), list[Element]()
+    for order in orders:
+        images, moved = ((signs * part[list(order)]).T % p for part in orbit)
+        for time in (1, -1):
+            good = ~flow.residuals(images, time * moved % p, p).any(axis=0)
+            found += [(order, tuple(map(int, s)), time) for s in signs[good]]
+    return flow, [e for e in found if _is_map(flow, e)], len(orders) > 1
 
-    flow: RationalFlow
-    elements: tuple[Element, ...]
-    permuted: bool
 
-    @classmethod
-    def of(cls, field: VectorField, rng: Any) -> _Group:
-        held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
-        numbers = {
-            s: sp.Integer(int(rng.integers(2, DRAWN))) for s in field.parameters if s in held
-        }
-        values = {field.bridge.outward(s): n for s, n in numbers.items()}
-        flow, p = RationalFlow(specialize_field(field, values)), PRIMES[0]
-        size, start = len(flow.ring.meaning), flow.points(1, p, rng)[:, 0]
-        orbit = flow.orbit(start, 2, p)
-        if orbit is None or 2**size > MAPS:
-            raise EngineLimit(
-                "no regular state was found" if orbit is None else "too many variables"
-            )
-        signs = np.array([*product((1, -1), repeat=size)], dtype=np.int64)
-        orders, permuted = _arrangements(flow)
-        found: list[Element] = []
-        for order in orders:
-            images, moved = ((signs * orbit[list(order), k]).T % p for k in (0, 1))
-            for time in (1, -1):
-                good = ~flow.residuals(images, time * moved % p, p).any(axis=0)
-                found += [(order, tuple(map(int, s)), time) for s in signs[good]]
-        return cls(flow, tuple(e for e in found if _is_map(flow, e)), permuted)
+def _generators(elements: Sequence[Element]) -> list[Element]:
+    """Elements that generate all, those that move least first."""
 
-    def generators(self) -> list[Element]:
-        """Elements that generate all, those that move least first."""
-        size = len(self.flow.ring.meaning)
-        unit = (tuple(range(size)), (1,) * size, 1)
-        made, chosen = {unit}, list[Element]()
+    def moved(e: Element) -> tuple[int, ...]:
+        return (sum(i != o for i, o in enumerate(e[0])), sum(s < 0 for s in e[1]), -e[2])
 
-        def moved(e: Element) -> tuple[int, ...]:
-            changed = sum(i != o for i, o in enumerate(e[0]))
-            return (changed, sum(s < 0 for s in e[1]), -e[2])
-
-        for element in sorted(self.elements, key=moved):
-            if element in made:
-                continue
+    unit, *rest = sorted(elements, key=moved)
+    made, chosen = {unit}, list[Element]()
+    for element in rest:
+        if element not in made:
             chosen.append(element)
             grown = [*made]
             while grown:
                 grown = [x for a in chosen for b in grown if (x := _compose(a, b)) not in made]
                 made.update(grown)
-        return chosen
+    return chosen
 
 
 def _compose(a: Element, b: Element) -> Element:
@@ -320,74 +300,60 @@ def _compose(a: Element, b: Element) -> Element:
     return order, tuple(s * b[1][i] for s, i in zip(a[1], a[0], strict=True)), a[2] * b[2]
 
 
-def _arrangements(flow: RationalFlow) -> tuple[list[tuple[int, ...]], bool]:
-    """The permutations of generators that are tried: of positions, of velocities, and of angles."""
-    ring, field, size = flow.ring, flow.field, len(flow.ring.meaning)
-    kinds = [[ring.index(x)] for x in field.positions if ring.has(x) and x not in ring.pairs]
-    pairs = [[ring.index(c), ring.index(s)] for c, s in ring.pairs.values()]
-    groups = [kinds, pairs, [[ring.index(v)] for v in field.velocities]]
-    count = prod(factorial(len(g)) for g in groups) * 2**size
-    if count > MAPS:
-        return [tuple(range(size))], False
+def _arrangements(flow: RationalFlow) -> list[tuple[int, ...]]:
+    """The permutations of generators that are tried: of positions, of angles, of velocities; where
+    they are too many, the identity."""
+    place, field, size = flow.place, flow.field, len(flow.generators)
+    plain = [(place[x],) for x in field.positions if x in place and x not in flow.pairs]
+    pairs = [(place[c], place[s]) for c, s in flow.pairs.values()]
+    groups = [plain, pairs, [(place[v],) for v in field.velocities]]
+    if prod(factorial(len(g)) for g in groups) * 2**size > MAPS:
+        return [tuple(range(size))]
+    places = [i for group in groups for one in group for i in one]
     found = []
-    for chosen in product(*(permutations(g) for g in groups)):
-        order = list(range(size))
-        for group, images in zip(groups, chosen, strict=True):
-            for places, targets in zip(group, images, strict=True):
-                for i, j in zip(places, targets, strict=True):
-                    order[i] = j
-        found.append(tuple(order))
-    return found, True
+    for chosen in product(*map(permutations, groups)):
+        moved = dict(
+            zip(places, [i for group in chosen for one in group for i in one], strict=True)
+        )
+        found.append(tuple(moved.get(i, i) for i in range(size)))
+    return found
 
 
 def _is_map(flow: RationalFlow, element: Element) -> bool:
     """Whether an angle that stands bare too is mapped as its cosine and sine are."""
-    ring, (order, signs, _) = flow.ring, element
-    both = [
-        (ring.index(a), *map(ring.index, pair)) for a, pair in ring.pairs.items() if ring.has(a)
-    ]
+    place, (order, signs, _) = flow.place, element
+    both = [(place[a], *map(place.get, pair)) for a, pair in flow.pairs.items() if a in place]
     return all(order[c] == c and signs[c] > 0 and signs[q] == signs[s] for q, c, s in both)
 
 
 def _proved_map(field: VectorField, flow: RationalFlow, element: Element) -> SymmetryMap:
-    ring, (order, signs, time) = flow.ring, element
-    images: dict[Any, Any] = {}
-    for x in field.variables:
-        if ring.has(x):
-            i = ring.index(x)
-            images[x] = signs[i] * ring.meaning[order[i]]
-    angles = list(ring.pairs)
-    parts = dict(zip(angles, ring.found.angles.values(), strict=True))
-    cosines = [ring.index(c) for c, _ in ring.pairs.values()]
-    for a, (c, s) in ring.pairs.items():
-        other = angles[cosines.index(order[ring.index(c)])]
-        up, side = signs[ring.index(c)], signs[ring.index(s)]
+    place, (order, signs, time) = flow.place, element
+    images: dict[Any, Any] = {
+        x: signs[place[x]] * flow.generators[order[place[x]]] for x in field.variables if x in place
+    }
+    angles = {place[c]: a for a, (c, _) in flow.pairs.items()}
+    for a, (c, s) in flow.pairs.items():
+        up, side, turn = signs[place[c]], signs[place[s]], a / c.args[0]
         # cos and sin of (w + k pi)/d are those of w/d with their signs
-        images.setdefault(a, up * side * other + (se.pi * parts[a] if up < 0 else 0))
+        images.setdefault(a, up * side * angles[order[place[c]]] + (se.pi * turn if up < 0 else 0))
     moved = {x: e for x, e in images.items() if e != x}
     targets = [next(iter(images[x].free_symbols)) for x in field.variables]
     factors = [time * images[x].diff(y) for x, y in zip(field.variables, targets, strict=True)]
-    places, still = [field.variables.index(y) for y in targets], len(field.positions)
-    kept = [(f"the relation '{r}'", r.xreplace(moved)) for r in field.relations]
-
-    def rates(all_rates: Sequence[Any]) -> list[tuple[str, Any]]:
-        return [
-            (f"the rate of '{x}'", f * all_rates[i] - rate.xreplace(moved))
-            for x, f, i, rate in zip(field.variables, factors, places, all_rates, strict=False)
+    places = [field.variables.index(y) for y in targets]
+    slopes = [se.Symbol(f"slope {i}") for i in range(len(targets))]
+    turned = dict(
+        zip(slopes, [f * slopes[i] for f, i in zip(factors, places, strict=True)], strict=True)
+    )
+    kept = [r.xreplace(moved) for r in field.relations]
+    solved = (d - e for d, e in zip(slopes, field.components, strict=True))
+    found = Verdict("undecided", "")
+    for rows in (_equations(field, slopes), solved):  # where the mass is kept, without its inverse
+        rows = [*rows]
+        residuals = [
+            e.xreplace({**moved, **turned}) - f * rows[i]
+            for e, f, i in zip(rows, factors, places, strict=True)
         ]
-
-    # without the inverse of the mass, where the map keeps the mass
-    size = range(len(field.velocities))
-    sign, at = factors[still:], [i - still for i in places[still:]]
-    kinetic = [
-        ("", sign[i] * sign[j] * field.mass[i][j].xreplace(moved) - field.mass[at[i]][at[j]])
-        for i in size
-        for j in size
-    ]
-    work = [("", sign[i] * field.force[i].xreplace(moved) - field.force[at[i]]) for i in size]
-    found = all_zero([*kept, *rates(field.rates), *kinetic, *work], field.hypotheses)
-    if not found.proved:
-        found = all_zero([*kept, *rates(field.components)], field.hypotheses)
+        found = found if found.proved else _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(e) for x, e in moved.items()}
     return SymmetryMap(shown, time < 0, found)
