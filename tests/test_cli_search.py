@@ -1,4 +1,4 @@
-"""``voronec search integrals``: what it prints, its statuses, its refusals."""
+"""``voronec search KIND``: what it prints, its statuses, its refusals."""
 
 from __future__ import annotations
 
@@ -93,3 +93,52 @@ def test_a_formula_holds_symbols_whatever_their_names() -> None:
     E, I1, gamma, x = sp.symbols("E I1 gamma x")
     assert formula("E*I1^2 - 0.1*sqrt(gamma)/x", "") == E * I1**2 - sp.sqrt(gamma) / x / 10
     assert formula("-exp(+x)*pi", "") == -sp.exp(x) * sp.pi
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "shown"),
+    [
+        (("measures", "sleigh"), 0, "1/w is an invariant measure: proved where w != 0."),
+        (("measures", "robot-with-two-trailers"), 1, "An invariant measure that is a product"),
+        (("multipliers", "nonholonomic-particle"), 0, "reducing multiplier  1/sqrt(y^2 + 1)"),
+        (("multipliers", "sleigh"), 0, "is proved not to exist, for generic parameters."),
+        (("symmetries", "sleigh"), 0, "(-y) d/dx + (1) d/dphi + (x) d/dy  proved"),
+        (
+            ("gauge", "nonholonomic-particle"),
+            0,
+            "proved, momentum of a horizontal symmetry: (1/m) Y",
+        ),
+        (
+            ("rational", "suslov", "--degree", "1"),
+            0,
+            "No further rational integral of degree at most 1",
+        ),
+        (("rational", "chaplygin-ball", "--degree", "2"), 1, "excess                        1"),
+    ],
+)
+def test_each_kind_prints_what_is_proved_and_goes_into_json(
+    call: Call, words: tuple[str, ...], status: int, shown: str
+) -> None:
+    answer = call("search", *words)
+    assert answer.status == status and shown in answer.out and answer.err == ""
+    data = json.loads(call("search", *words, "--json").out)
+    assert data["system"] == words[1] and answer.out.splitlines()[-1] == data["statement"].replace(
+        "**", "^"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("measures", "sleigh", "--factor", "q"), "q"),
+        (("multipliers", "sleigh", "--at", "b=1"), "no parameter 'b'"),
+        (("symmetries", "sliegh"), "sliegh"),
+        (("gauge", "sleigh", "--integral", "v"), "'v' is no integral"),
+        (("rational", "sleigh", "--degree", "0"), "degree is 0; give a number from 1 upward"),
+        (("rational", "sleigh", "--at", "m=sqrt(2)"), "give it a rational number"),
+    ],
+)
+def test_bad_input_of_each_kind_is_refused_in_a_line(
+    call: Call, words: tuple[str, ...], message: str
+) -> None:
+    assert message in refused(call("search", *words))

@@ -398,6 +398,179 @@ def test_the_outcome_goes_into_json() -> None:
     assert data["dimension"] == 2 and data["at"] == {}
 
 
+# -- measures, multipliers, symmetries, gauge momenta -----------------------------------------
+
+w, Y, g, I13, I23, c = sp.symbols("w Y g I13 I23 c")
+MEASURES = {
+    "sleigh": 1 / w,
+    "growing-sleigh": (1 + g * vo.time) / w,
+    "suslov": 1 / (I13 * omega[0] + I23 * omega[1]),
+    "nonholonomic-particle": sp.sqrt(1 + Y**2),
+}
+
+
+def damped_mass() -> vo.System:
+    """A mass whose resistance grows with its velocity: density exp(c x)."""
+    x = sp.Symbol("x")
+    v = vo.velocity(x)
+    return vo.System(
+        name="damped-mass",
+        fibration=vo.Fibration((x,), ()),
+        lagrangian=v**2 / 2 - x**2 / 2,
+        forces={x: -c * v**2 / 2},
+        parameters=(c,),
+    )
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_a_declared_measure_is_found_untold(name: str) -> None:
+    found = vo.search_measures(replace(vo.load(name), measure=None)).found
+    assert found is not None and found.verdict.proved
+    assert sp.cancel((found.expression / MEASURES[name]) ** 2).is_Rational
+
+
+def test_a_density_may_be_an_exponential_or_have_powers_that_are_functions_of_parameters() -> None:
+    found = vo.search_measures(damped_mass()).found
+    assert found is not None and found.verdict.proved
+    assert found.expression == sp.exp(c * sp.Symbol("x"))
+    numbers = {"I1": 1, "I2": 2, "I3": 2, "m": 1}
+    ball = vo.search_measures(vo.load("rubber-ball-on-sphere"), at=numbers).found
+    assert ball is not None and ball.verdict.proved
+    powers = [sp.cancel(p.exp) for p in ball.expression.atoms(sp.Pow)]
+    assert sp.cancel((R1 + R2) / (2 * R1)) in powers
+
+
+def test_a_measure_of_another_form_is_not_found_and_the_form_is_told() -> None:
+    result = vo.search_measures(vo.load("robot-with-two-trailers"))
+    assert result.found is None and not result.decided
+    assert result.statement.endswith("a product of powers of these factors was not found.")
+
+
+@pytest.mark.parametrize("name", ["veselova", "nonholonomic-particle", "vertical-disc"])
+def test_a_declared_multiplier_is_found_untold(name: str) -> None:
+    system = vo.load(name)
+    found = vo.search_reducing_multipliers(replace(system, multiplier=None)).found
+    assert found is not None and found.verdict.proved
+    ratio = found.expression / system.multiplier
+    cosines = {gamma[i]: e for i, e in enumerate(system.invariants.values())}
+    points = [{s: sp.Rational(k + j, 9) for k, s in enumerate([phi, theta, psi])} for j in (1, 4)]
+    moments = {s: k + 2 for k, s in enumerate(sp.symbols("J1:4"))}
+    values = [ratio.xreplace(cosines).xreplace(moments).evalf(30, subs=p) for p in points]
+    assert abs(values[0] - values[1]) < 1e-25 if ratio.free_symbols else ratio == 1
+
+
+def test_a_multiplier_that_is_not_there_is_excluded() -> None:
+    result = vo.search_reducing_multipliers(vo.load("falling-disc"))
+    assert result.found is None and result.excluded and "proved not to exist" in result.statement
+
+
+def test_the_sleigh_has_the_symmetries_of_the_plane_and_its_reversors() -> None:
+    result = vo.search_symmetries(vo.load("sleigh"))
+    x, y, v = sp.symbols("x y v")
+    assert result.decided and (result.symmetries, result.reversors) == (4, 4)
+    fields = [f.components for f in result.fields]
+    assert {x: 1} in fields and {y: 1} in fields and {x: -y, phi: 1, y: x} in fields
+    assert any(f.clock != 0 and f.components.keys() == {v, w} for f in result.fields)  # a scaling
+    images = [m.images for m in result.maps if not m.reverses]
+    assert {y: -y, phi: -phi, w: -w} in images and {x: -x, phi: sp.pi - phi, w: -w} in images
+
+
+def test_equal_moments_bring_a_rotation_and_a_gyroscope_takes_scaling_away() -> None:
+    ball = vo.load("chaplygin-ball")
+    plain = vo.search_symmetries(ball)
+    round_ball = vo.search_symmetries(ball, at={"I2": inertia[0]})
+    assert len(plain.fields) == 1 and len(round_ball.fields) == 2 and round_ball.decided
+    turned = {gamma[0]: -gamma[1], gamma[1]: gamma[0], omega[0]: -omega[1], omega[1]: omega[0]}
+    assert turned in [f.components for f in round_ball.fields]
+    assert round_ball.symmetries == 2 * plain.symmetries  # the axes may be exchanged
+    wheel = vo.search_symmetries(vo.load("gyroscopic-ball-on-plane"))
+    assert wheel.fields == () and (wheel.symmetries, wheel.reversors) == (2, 0)  # gamma -> -gamma
+
+
+def test_integrals_of_the_sleigh_are_gauge_momenta() -> None:
+    sleigh = vo.load("sleigh")
+    at = sleigh.cases["centre of mass over the blade"].parameters
+    result = vo.search_gauge_momenta(sleigh, positions=1, at=at)
+    kinds = {m.expression: m for m in result.momenta}
+    v, x, y = sp.symbols("v x y")
+    assert kinds[w].kind == "momentum of a horizontal symmetry"
+    assert kinds[v].kind == "gauge momentum" and result.decided
+    assert kinds[v].generator == {x: sp.cos(phi) / m, y: sp.sin(phi) / m}
+    along = {
+        q: sum(f * result.symmetries[name].get(q, 0) for name, f in kinds[v].coefficients.items())
+        for q in (x, y, phi)
+    }
+    assert along == {**kinds[v].generator, phi: 0}
+    with pytest.raises(vo.DefinitionError, match="'bent' is not proved to leave the Lagrangian"):
+        vo.search_gauge_momenta(sleigh, fields={"bent": {"x": x}})
+    with pytest.raises(vo.DefinitionError, match="'v' is no integral"):
+        vo.search_gauge_momenta(sleigh, integrals=["v"])
+
+
+# -- the rank test -------------------------------------------------------------------------
+
+UNTOLD = replace(
+    vo.load("chaplygin-ball"),
+    integrals={k: vo.load("chaplygin-ball").integrals[k] for k in ("energy", "momentum squared")},
+)
+WHEEL = {f"kappa{i}": sp.Rational(i, 7) for i in (1, 2, 3)}
+STILL = dict.fromkeys(WHEEL, 0)
+
+
+def test_the_gyroscopic_ball_has_an_excess_where_an_integral_is_known_and_only_there() -> None:
+    ball, inside = vo.load("gyroscopic-ball-on-sphere"), {"R1": sp.Rational(-1, 2)}  # epsilon = -1
+    assert vo.exclude_rational_integrals(ball, 4).decided
+    assert vo.exclude_rational_integrals(ball, 4, at=inside | WHEEL).decided
+    assert vo.exclude_rational_integrals(ball, 4, at={"R1": -3} | STILL).decided
+    assert vo.exclude_rational_integrals(ball, 4, at=inside | STILL).excess > 0  # Borisov-Fedorov
+    assert vo.exclude_rational_integrals(UNTOLD, 2).excess > 0  # (G, gamma) is not told
+
+
+def test_no_excess_is_no_proof_that_a_ball_is_not_integrable() -> None:
+    result = vo.exclude_rational_integrals(vo.load("symmetric-gyroscopic-ball-on-sphere"), 4)
+    assert result.decided  # integrals with powers of functions of gamma3 are there
+    assert result.statement.startswith("No further rational integral of degree at most 4 in gamma1")
+
+
+def test_no_excess_is_reported_below_an_integral_that_is_shown() -> None:
+    """F G^-1 of polynomials too: an excess begins at the larger of their degrees, not before."""
+    free = free_body()
+    moments = dict(zip(inertia, (2, 3, 5), strict=True))
+    told = replace(
+        free, integrals={"energy": sum(i * v**2 for i, v in zip(inertia, omega, strict=True))}
+    )
+    assert vo.exclude_rational_integrals(free, 1, at=moments).decided
+    assert vo.exclude_rational_integrals(free, 2, at=moments).excess >= 3
+    one, two = (vo.exclude_rational_integrals(s, 2, at=moments).excess for s in (told, free))
+    assert one == two - 1
+
+
+def test_values_that_no_body_has_are_called_formal() -> None:
+    result = vo.exclude_rational_integrals(UNTOLD, 1, at={"I1": 9}, body=("I2 + I3 - I1",))
+    assert result.formal == ("-I1 + I2 + I3 >= 0",) and "formal: no body" in result.statement
+    assert vo.exclude_rational_integrals(UNTOLD, 1, body=("I2 + I3 - I1",)).formal == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("chaplygin-ball", {"degree": 80}, "GiB of memory, of"),
+        (
+            "chaplygin-ball",
+            {"at": {"I1": sp.sqrt(2)}},
+            "'I1' is sqrt\\(2\\); give it a rational number",
+        ),
+        ("chaplygin-ball", {"degree": 0}, "degree is 0; give a number from 1 upward"),
+        ("sleigh-in-time", {}, "equations that hold the time have no rank test"),
+        ("rubber-ball-in-new-time", {}, "the rank test takes rational ones"),
+    ],
+)
+def test_what_has_no_rank_test_is_refused_in_a_line(name, options, words) -> None:
+    with pytest.raises((vo.EngineLimit, vo.DefinitionError), match=words) as error:
+        vo.exclude_rational_integrals(vo.load(name), **options)
+    assert "\n" not in str(error.value)
+
+
 # -- what is refused ----------------------------------------------------------------------
 
 

@@ -7,6 +7,7 @@ scenes  random motions of random systems, against multipliers in many digits
 starts  starts at the singular places of the coordinates of every system
 turns   whole turns of Demchenko's ball against integration
 prover  statements of known truth, asked for verdicts
+searches  what systems declare, searched for untold; the rank test on a grid
 crossings  zeros of polynomials whose roots are known, by every method
 """
 
@@ -20,6 +21,7 @@ KINDS = {
     "starts": "scenes.starts",
     "turns": "scenes.turns",
     "prover": "prover.run",
+    "searches": "prover.searches",
     "crossings": "crossings",
 }
 """Kind -> the module that does it."""

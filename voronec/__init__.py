@@ -97,9 +97,18 @@ if TYPE_CHECKING:
     from voronec.proof.claims import check_claims as check_claims
     from voronec.proof.comparison import compare as compare
     from voronec.proof.measures import divergence as divergence
+    from voronec.proof.search import DensitySearch as DensitySearch
     from voronec.proof.search import FoundIntegral as FoundIntegral
+    from voronec.proof.search import GaugeSearch as GaugeSearch
     from voronec.proof.search import IntegralSearch as IntegralSearch
+    from voronec.proof.search import RationalBound as RationalBound
+    from voronec.proof.search import SymmetrySearch as SymmetrySearch
+    from voronec.proof.search import exclude_rational_integrals as exclude_rational_integrals
+    from voronec.proof.search import search_gauge_momenta as search_gauge_momenta
     from voronec.proof.search import search_integrals as search_integrals
+    from voronec.proof.search import search_measures as search_measures
+    from voronec.proof.search import search_reducing_multipliers as search_reducing_multipliers
+    from voronec.proof.search import search_symmetries as search_symmetries
     from voronec.sweeps import Draws as Draws
     from voronec.sweeps import Sweep as Sweep
     from voronec.sweeps import sweep as sweep
@@ -154,7 +163,9 @@ _HOME = {
         "proof.claims": "check_claims Claim",
         "proof.comparison": "compare",
         "proof.measures": "divergence",
-        "proof.search": "FoundIntegral IntegralSearch search_integrals",
+        "proof.search": "DensitySearch exclude_rational_integrals FoundIntegral GaugeSearch "
+        "IntegralSearch RationalBound search_gauge_momenta search_integrals search_measures "
+        "search_reducing_multipliers search_symmetries SymmetrySearch",
         "sweeps": "Draws Sweep sweep",
     }.items()
     for name in names.split()

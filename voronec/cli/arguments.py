@@ -63,13 +63,20 @@ def command_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"voronec {voronec.__version__}")
     parser.set_defaults(module=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+    kinds: dict[str, Any] = {}
     for words, (module, summary, *options) in COMMANDS.items():
         name, _, kind = words.partition(" ")
-        command = commands.add_parser(name, help=summary, description=summary, allow_abbrev=False)
-        if kind:
-            kinds = command.add_subparsers(title="what is searched", metavar="KIND", required=True)
-            command = kinds.add_parser(kind, help=summary, description=summary, allow_abbrev=False)
-        command.set_defaults(module=f"voronec.cli.{module}")
+        if kind and name not in kinds:
+            command = commands.add_parser(
+                name, help=SEARCHES, description=SEARCHES, allow_abbrev=False
+            )
+            kinds[name] = command.add_subparsers(
+                title="what is searched", metavar="KIND", required=True
+            )
+        command = kinds.get(name, commands).add_parser(
+            kind or name, help=summary, description=summary, allow_abbrev=False
+        )
+        command.set_defaults(module=f"voronec.cli.{module}", kind=kind)
         given = [*_flatten((Option("--json", "print the result as JSON"), *options))]
         group = command.add_mutually_exclusive_group() if any(o.alone for o in given) else command
         for option in given:
@@ -165,6 +172,9 @@ STEADY = (
     _number("starts", 100, "searches"), _number("seed", 1, "of the random starts"),
 )  # fmt: skip
 """Which steady motions are meant."""
+AT = _several("--at P=VALUE", "a special value of a parameter, such as R2=-2*R1" + OFTEN)
+FACTOR = _several("--factor G", "a further factor" + OFTEN, dest="factors")
+SEARCHES = "search for integrals, measures, multipliers, symmetries, or prove that there are none"
 COMMANDS: Mapping[str, tuple[Any, ...]] = {
     "list": (
         "listing", "list the systems and papers",
@@ -346,9 +356,29 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _several("--denominator G", "divide by G too; 'mass': the mass determinant" + OFTEN),
         _several("--with F=EXPR", "a further letter F; without '=', a declared equation's" + OFTEN,
                  dest="functions"),
-        _several("--at P=VALUE", "a special value of a parameter, such as R2=-2*R1" + OFTEN),
+        AT,
         Option("--momenta", "use momenta instead of velocities"),
         Option("--again", "also find the integrals that are declared"),
+    ),
+    "search measures": (
+        "searches", "search for an invariant measure, its density a product of powers", SYSTEM,
+        FACTOR, _number("exponent", 2, "the degree of a polynomial whose exponential is a factor"),
+        AT,
+    ),
+    "search multipliers": (
+        "searches", "search for a reducing multiplier, a product of powers", SYSTEM, FACTOR, AT,
+    ),
+    "search symmetries": ("searches", "search for linear symmetries and reversors", SYSTEM, AT),
+    "search gauge": (
+        "searches", "say which linear integrals are gauge momenta, and of which fields", SYSTEM,
+        _number("positions", 3, "the degree of the integrals in the positions"),
+        _several("--integral F", "a further linear integral" + OFTEN, dest="integrals"), AT,
+    ),
+    "search rational": (
+        "searches", "prove that there is no further rational integral of bounded degree", SYSTEM,
+        _number("degree", 4, "the degree of numerator and denominator"),
+        Option("--velocities", "use the velocities of the equations instead of momenta"), AT,
+        _several("--body EXPR", "negative for no body, such as I2+I3-I1" + OFTEN),
     ),
     "new": (
         "template", "write a file with a small system to start from",

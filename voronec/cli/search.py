@@ -27,7 +27,7 @@ def execute(arguments: Namespace) -> int:
         **{name: getattr(arguments, name) for name in plain},
         "denominators": [_denominator(text) for text in arguments.denominator],
         "functions": dict(_function(text) for text in arguments.functions),
-        "at": dict(_value(text) for text in arguments.at),
+        "at": dict(special_value(text) for text in arguments.at),
     }
     result, stopped = None, False
     try:
@@ -60,7 +60,8 @@ def _function(text: str) -> tuple[str, Any]:
     return name, formula(value, f"--with {name}")
 
 
-def _value(text: str) -> tuple[str, Any]:
+def special_value(text: str) -> tuple[str, Any]:
+    """PARAMETER=VALUE of ``--at``."""
     name, value = name_and_value(text, "--at", "PARAMETER=VALUE, such as R2=-2*R1 or m=1")
     return name, formula(value, f"--at {name}")
 

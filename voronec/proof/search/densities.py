@@ -3,7 +3,7 @@
 With log rho = a_1 log p_1 + ... + a_k log p_k + a polynomial in the state, the condition for an
 invariant measure is linear in the coefficients:
 
-    a_1 X(p_1)/p_1 + ... + a_k X(p_k)/p_k + X(polynomial) + div X - tr C = 0,               (37)
+    a_1 X(p_1)/p_1 + ... + a_k X(p_k)/p_k + X(polynomial) + div X - tr C = 0,               (32)
 
 C as in [Theory, eq. (14)].  The p_i are factors that the equations hold.  At random points modulo
 a prime it is a system of numbers.  Its solution is lifted to Q and the parameters, and the density
@@ -11,7 +11,7 @@ is handed to the prover of declared measures, which derives the divergence by fo
 
 In another time, dtau = N dt, N a reducing multiplier, the volume of coordinates and momenta is
 invariant; so N^(k - 1) times that volume is in the time t, for k independent velocities, and N
-follows from the density.
+follows from the density [Theory, eq. (33)].
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from voronec.proof.claims import specialise
 from voronec.proof.hamiltonian_form import decide_multiplier
 from voronec.proof.measures import decide_measure
 from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
 from voronec.proof.search.residues import Array, free_columns
 from voronec.proof.search.search import parameter_values
@@ -69,7 +70,7 @@ class FoundDensity:
     verdict: Verdict
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class DensitySearch:
     """The outcome of a search for a density or a reducing multiplier, ``kind``.
 
@@ -84,10 +85,6 @@ class DensitySearch:
     excluded: bool
     seconds: float
 
-    def __repr__(self) -> str:
-        held = "none" if self.found is None else str(self.found.expression)
-        return f"DensitySearch({self.system!r}, {self.kind}: {held})"
-
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and the statement."""
         rows = [("factors", ", ".join(map(str, self.factors))), ("statement", self.statement)]
@@ -96,33 +93,27 @@ class DensitySearch:
         return html_table(f"{self.kind} of {self.system}", rows)
 
     @property
+    def decided(self) -> bool:
+        """Whether something is proved: what was found, or that there is none."""
+        return self.excluded if self.found is None else self.found.verdict.proved
+
+    @property
     def statement(self) -> str:
         """What is proved, in words."""
+        article = "an" if self.kind[0] in "aeiou" else "a"
         if self.found is not None:
             verdict = self.found.verdict
             words = " ".join(filter(None, (verdict.status, verdict.limits)))
             why = "" if verdict.proved else f", {verdict.method}"
-            return f"{plain_text(self.found.expression)} is a {self.kind}: {words}{why}."
+            return f"{plain_text(self.found.expression)} is {article} {self.kind}: {words}{why}."
         sure = (
             "is proved not to exist, for generic parameters" if self.excluded else "was not found"
         )
-        return f"A {self.kind} that is a product of powers of these factors {sure}."
+        return f"{article.title()} {self.kind} that is a product of powers of these factors {sure}."
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        found = self.found
-        return {
-            "system": self.system,
-            "kind": self.kind,
-            "factors": [plain_text(f) for f in self.factors],
-            "found": None if found is None else plain_text(found.expression),
-            "variables": [] if found is None else [plain_text(x) for x in found.variables],
-            "verdict": None if found is None else found.verdict.status,
-            "limits": "" if found is None else found.verdict.limits,
-            "excluded": self.excluded,
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
 
 
 @accepts()
@@ -278,7 +269,8 @@ class _Ansatz:
         base = len(field.positions) if base is None else base
         moving = {*field.positions[:base], *(field.velocities if velocities else ())}
         own = [field.read(as_expression(f)) for f in given]
-        held = [*own, *_factors(field, [] if weight is None else [weight])]
+        named = [] if field.determinant is None else [determinant(field.mass)]
+        held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
         factors = list(dict.fromkeys(usable))[: FACTORS + len(own)]
         degrees = range(1, exponent + 1)
@@ -304,9 +296,7 @@ class _Ansatz:
             return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
 
         powers = lift_vector(vector, len(pivots), probe, rng)
-        chosen = [*self.factors, *self.terms]
-        used = [(chosen[i], a) for i, a in zip(pivots, powers, strict=True) if a != 0]
-        return self._written(used), sure
+        return self._written(dict(zip(pivots, powers, strict=True))), sure
 
     def _probe(self) -> Probe:
         field = self.field
@@ -315,7 +305,7 @@ class _Ansatz:
         return Probe(field, letters, [*field.entries, *slopes])
 
     def _table(self, values: Values) -> Array:
-        """The terms of [Theory, eq. (37)], (point, unknown), those without unknowns last."""
+        """The terms of [Theory, eq. (32)], (point, unknown), those without unknowns last."""
         p, count = values.p, len(self.factors)
         rates = values.logarithmic.copy()
         end = count + len(self.terms)
@@ -346,17 +336,20 @@ class _Ansatz:
         solved, _ = solve_each(turned, right, p)
         return total - sum(solved[i, i] for i in range(count))
 
-    def _written(self, used: Sequence[tuple[Any, Any]]) -> Any:
-        """The density; factors under roots are positive at some state."""
-        factors = {*self.factors}
+    def _written(self, powers: Mapping[int, Any]) -> Any:
+        """The density by its powers; factors under roots are positive at some state."""
+        named = None if self.field.determinant is None else determinant(self.field.mass)
         parts, exponents = [], []
-        for f, a in used:
-            if f not in factors:
-                exponents.append(a * f)
-            else:
-                whole = isinstance(a, se.Integer)
-                parts.append((f if whole or not self._is_negative(f) else -f) ** a)
-        return se.Mul(*parts, se.exp(se.Add(*exponents)) if exponents else se.Integer(1))
+        for i, a in powers.items():
+            if i >= len(self.factors):
+                exponents.append(a * self.terms[i - len(self.factors)])
+            elif self.factors[i] == named:
+                parts.append(self.field.determinant**a)
+            elif a != 0:
+                f = self.factors[i]
+                turned = not isinstance(a, se.Integer) and self._is_negative(f)
+                parts.append((-f if turned else f) ** a)
+        return se.Mul(*parts, se.exp(se.Add(*exponents)))
 
     def _is_negative(self, factor: Any) -> bool:
         for _, (value,) in sample_evaluable(Tape([factor]), self.field.hypotheses, count=1):

@@ -3,7 +3,7 @@
 An integral J that is linear in the velocities is p(xi), p the momenta dLc/dv, of one field xi that
 the constraints allow, its *generator*.  Where xi is sum f_a(q) Y_a with fields Y_a that leave the
 Lagrangian unchanged, J is a gauge momentum; where all f_a are constants it is the momentum of a
-horizontal symmetry [FassoGiacobbeSansonetto2009].
+horizontal symmetry [FassoGiacobbeSansonetto2008].
 
 The Y_a are found as affine fields on the coordinates, by linear algebra at random points modulo a
 prime, or are given.
@@ -35,11 +35,11 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import decide_integral
 from voronec.proof.decision import all_zero
 from voronec.proof.search.densities import motions_at
+from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
 from voronec.proof.search.search import search_integrals
 from voronec.proof.search.symmetries import SPARE, lift_kernel
-
 
 CIRCULAR = (se.sin, se.cos, se.tan)
 
@@ -59,7 +59,7 @@ class GaugeMomentum:
     verdict: Verdict
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class GaugeSearch:
     """Linear integrals with their generators; ``symmetries`` are the fields Y_a, by name."""
 
@@ -67,9 +67,6 @@ class GaugeSearch:
     symmetries: dict[str, dict[sp.Expr, sp.Expr]]
     momenta: tuple[GaugeMomentum, ...]
     seconds: float
-
-    def __repr__(self) -> str:
-        return f"GaugeSearch({self.system!r}, {len(self.momenta)} linear integrals)"
 
     def _repr_html_(self) -> str:
         """For notebooks: each integral with what it is."""
@@ -80,9 +77,14 @@ class GaugeSearch:
         """What an integral is, and of which field."""
         parts = momentum.coefficients
         if parts is None:
-            return f"{momentum.kind}: {_written(momentum.generator)}"
+            return f"{momentum.kind}: {write_field(momentum.generator)}"
         along = " + ".join(f"({plain_text(f)}) {name}" for name, f in parts.items() if f != 0)
         return f"{momentum.kind}: {along}"
+
+    @property
+    def decided(self) -> bool:
+        """Whether all integrals are proved."""
+        return all(m.verdict.proved for m in self.momenta)
 
     @property
     def statement(self) -> str:
@@ -95,27 +97,11 @@ class GaugeSearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {
-            "system": self.system,
-            "symmetries": {name: _written(y) for name, y in self.symmetries.items()},
-            "momenta": [
-                {
-                    "integral": plain_text(m.expression),
-                    "kind": m.kind,
-                    "generator": _written(m.generator),
-                    "coefficients": None
-                    if m.coefficients is None
-                    else {name: plain_text(f) for name, f in m.coefficients.items()},
-                    "verdict": m.verdict.status,
-                }
-                for m in self.momenta
-            ],
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
 
 
-def _written(components: Mapping[Any, Any]) -> str:
+def write_field(components: Mapping[Any, Any]) -> str:
+    """A field on the coordinates, as text."""
     return " + ".join(f"({plain_text(e)}) d/d{x}" for x, e in components.items()) or "0"
 
 

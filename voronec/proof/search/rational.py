@@ -5,10 +5,10 @@ vanishes along it; so do multiples of the relations between the letters, and of 
 each known integral F = A/B.  With M the number of monomials up to the degree, those that are
 leading in the relations left out, the number
 
-    excess = M - rank(series of the monomials) - rank(multiples of the known integrals)         (36)
+    excess = M - rank(series of the monomials) - rank(multiples of the known integrals)         (31)
 
 bounds from above how many polynomials vanish on the generic orbit beside these multiples.  Where it
-is 0, every rational integral up to the degree is a function of the known ones [Theory, eq. (36)].
+is 0, every rational integral up to the degree is a function of the known ones [Theory, eq. (31)].
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit
-from voronec.proof.search.probe import TRIES, Variety
+from voronec.proof.search.outcome import plain_data
+from voronec.proof.search.probe import TRIES, Variety, solve_each
 from voronec.proof.search.residues import PRIMES, Array, as_residue, free_columns, inverse
 from voronec.proof.search.search import known_integrals, parameter_values, specialize_field
 
@@ -51,7 +52,7 @@ ENTRY = 100
 """Bytes for one entry of the matrix: as a number of Python's twice, as a residue, and as a list."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class RationalBound:
     """What the rank test says of rational integrals of degree up to ``degree`` in ``letters``.
 
@@ -71,9 +72,6 @@ class RationalBound:
     formal: tuple[str, ...]
     seconds: float
 
-    def __repr__(self) -> str:
-        return f"RationalBound({self.system!r}, degree {self.degree}, excess {self.excess})"
-
     def _repr_html_(self) -> str:
         """For notebooks: the numbers and the statement."""
         rows = [("excess", str(self.excess)), ("statement", self.statement)]
@@ -85,7 +83,7 @@ class RationalBound:
         return self.monomials - self.rank - self.explained
 
     @property
-    def excluded(self) -> bool:
+    def decided(self) -> bool:
         """Whether it is proved that there is no further rational integral up to the degree."""
         return self.excess == 0
 
@@ -98,7 +96,7 @@ class RationalBound:
             where += f" (formal: no body has these values, which violate {', '.join(self.formal)})"
         known = ", ".join(self.known) or "none but constants"
         form = f"of degree at most {self.degree} in {', '.join(self.letters)}"
-        if self.excluded:
+        if self.decided:
             return f"No further rational integral {form}{where}. Known: {known}."
         return (
             f"Undecided: {self.excess} more polynomials {form} vanish on the orbits tried than the "
@@ -107,21 +105,8 @@ class RationalBound:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {
-            "system": self.system,
-            "degree": self.degree,
-            "letters": list(self.letters),
-            "at": {str(s): plain_text(v) for s, v in self.at.items()},
-            "known": list(self.known),
-            "monomials": self.monomials,
-            "rank": self.rank,
-            "explained": self.explained,
-            "excess": self.excess,
-            "excluded": self.excluded,
-            "formal": list(self.formal),
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        numbers = {"excess": self.excess, "decided": self.decided, "statement": self.statement}
+        return {**plain_data(self), **numbers}
 
 
 @accepts()
@@ -131,6 +116,7 @@ def exclude_rational_integrals(
     *,
     at: Mapping[Any, Any] | None = None,
     momenta: bool = True,
+    body: Sequence[Any] = (),
     seed: int = 1,
 ) -> RationalBound:
     """Whether a system has no rational integral P/Q of a bounded degree beside the known ones.
@@ -142,9 +128,12 @@ def exclude_rational_integrals(
         parameter -> value; the others have their default values.
     momenta
         whether the letters are the momenta, or the velocities of the equations.
+    body
+        expressions of the parameters that are negative for no body, such as I2 + I3 - I1, or
+        2 m R^2 - I1 - I2 - I3 of a ball; where one is, the values are called formal.
 
     The answer holds for these values of the parameters alone: ``statement`` says it in words, by
-    the argument of [Theory, eq. (36)].  Declared integrals count as known where they are proved.
+    the argument of [Theory, eq. (31)].  Declared integrals count as known where they are proved.
     Raises ``DefinitionError`` for a parameter without a value, ``EngineLimit`` where the equations
     are not rational or the degree asks for more memory than there is.
     """
@@ -170,9 +159,6 @@ def exclude_rational_integrals(
         rank = max(rank, letters.rank_along_orbit(exponents, length, p, rng))
         if rank + explained == len(exponents):
             break
-    else:
-        if not rank:
-            raise EngineLimit(f"system '{field.system.name}': no regular point was found")
     return RationalBound(
         system=field.system.name,
         degree=degree,
@@ -182,7 +168,7 @@ def exclude_rational_integrals(
         monomials=len(exponents),
         rank=rank,
         explained=explained,
-        formal=_violated(motions.system, values),
+        formal=_violated(motions.system, body, values),
         seconds=perf_counter() - begin,
     )
 
@@ -206,9 +192,13 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     return {p.symbol: values[p.symbol] for p in needed}
 
 
-def _violated(system: System, values: Mapping[Any, Any]) -> tuple[str, ...]:
+def _violated(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
     """The conditions on the parameters that values do not meet."""
-    return tuple(str(c) for c in system.conditions if c.xreplace(dict(values)) == sp.false)
+    named = {p.name: p.symbol for p in system.parameters}
+    known = [as_expression(e) for e in body]
+    known = [e.xreplace({s: named.get(str(s), s) for s in e.free_symbols}) for e in known]
+    conditions = [*system.conditions, *(sp.Ge(e, 0, evaluate=False) for e in known)]
+    return tuple(plain_text(c) for c in conditions if c.xreplace(dict(values)).doit() == sp.false)
 
 
 def _require_memory(letters: int, degree: int) -> None:
@@ -276,152 +266,98 @@ class _Polynomials:
 
 
 class RationalFlow:
-    """The motion as L(x) x' = R(x), polynomials in ``generators``: coordinates, or cosine and sine
-    of angles, and velocities."""
+    """The motion as polynomials L(x) x' - R(x) that vanish along it, in ``generators`` x -
+    coordinates, or cosine and sine of angles, and velocities - and their slopes x'."""
 
     def __init__(self, field: VectorField) -> None:
         held: set[Any] = set().union(*(e.free_symbols for e in field.entries))
         if field.time in held:
             raise EngineLimit("equations that hold the time have no rank test")
         free = [q for q in field.positions if q not in held]
-        self.field = field
-        self.ring = ring = Ring([*field.entries, *field.relations, *field.velocities, *free], ())
-        fractions = [[ring.fraction(r)] for r in field.rates]
-        rows = [
-            [*map(ring.fraction, row), ring.fraction(f)]
-            for row, f in zip(field.mass, field.force, strict=True)
-        ]
-        angles = {
-            a: (c, s, d)
-            for (a, (c, s)), d in zip(ring.pairs.items(), ring.found.angles.values(), strict=True)
-        }
-        own = {*field.variables, *(g for c, s, _ in angles.values() for g in (c, s))}
-        for foreign in (e for e in ring.meaning if e not in own):
+        found = Ring([*field.entries, *field.relations, *field.velocities, *free])
+        own = {*field.variables, *(g for pair in found.pairs.values() for g in pair)}
+        for foreign in (e for e in found.meaning if e not in own):
             raise EngineLimit(
                 f"the equations hold '{quote(field.bridge.outward(foreign))}'; the rank test takes "
                 "rational ones, in coordinates, cosines and sines"
             )
-        index = ring.index
-        self.places: list[tuple[int, int]] = []
-        entries, right = [], []
-
-        def add(row: int, columns: Sequence[int], parts: Sequence[Any]) -> None:
-            *left, last = _over_common_denominator(ring, parts)
-            for column, entry in zip(columns, left, strict=True):
-                if entry != 0:
-                    self.places.append((row, column))
-                    entries.append(entry)
-            right.append((row, last))
-
-        for q, (rate,) in zip(field.positions, fractions, strict=True):
-            one = ring.field.constant(1)
-            if ring.has(q):
-                add(index(q), [index(q)], [one, rate])
-            if q in angles:
-                c, s, d = angles[q]
-                turn = ring.field.mul([rate, ring.field.constant(1, int(d))])
-                up, down = (ring.fraction(e) for e in (c, -s))
-                add(index(c), [index(c)], [one, ring.field.mul([down, turn])])
-                add(index(s), [index(s)], [one, ring.field.mul([up, turn])])
-        columns = [index(v) for v in field.velocities]
-        for v, row in zip(field.velocities, rows, strict=True):
-            add(index(v), columns, row)
-        right = [poly for _, poly in sorted(right, key=lambda x: x[0])]
-        self.polynomials = _Polynomials.of(len(ring.meaning), [*entries, *right])
-        self.variety = Variety(ring.meaning, field.relations, ())
-        bound = [
-            *(ring.fraction(r).num for r in field.relations),
-            *(r for *_, r in ring.field.rules),
-        ]
-        slopes = [f.derivative(i) for f in bound for i in range(len(ring.meaning))]
-        self.bound = _Polynomials.of(len(ring.meaning), bound)
-        self._slopes = _Polynomials.of(len(ring.meaning), slopes)
+        self.field, self.pairs, self.generators = field, found.pairs, list(found.meaning)
+        self.place = {g: i for i, g in enumerate(self.generators)}
+        slopes = [se.Symbol(f"slope {i}") for i in range(len(self.generators))]
+        moved = [slopes[self.place[v]] for v in field.velocities]
+        rates = dict(zip(field.positions, field.rates, strict=True))
+        pushed = {g: dot([g.diff(q) for q in rates], list(rates.values())) for g in self.generators}
+        motion = [slopes[self.place[g]] - e for g, e in pushed.items() if g not in field.velocities]
+        motion += [dot(m, moved) - f for m, f in zip(field.mass, field.force, strict=True)]
+        self.ring = ring = Ring([*motion, *field.relations, *self.generators])
+        self._state, self._slope = ([*map(ring.index, e)] for e in (self.generators, slopes))
+        polynomials = [ring.fraction(e).num for e in motion]
+        bound = [ring.fraction(r).num for r in field.relations]
+        bound += [rule for *_, rule in ring.field.rules]
+        self._motion, self._bound, self._matrix, self._gradient = (
+            _Polynomials.of(len(ring.meaning), polys)
+            for polys in (
+                polynomials, bound, [f.derivative(i) for f in polynomials for i in self._slope],
+                [f.derivative(i) for f in bound for i in self._state],
+            )
+        )  # fmt: skip
+        self.programs = (self._motion, self._bound, self._matrix, self._gradient)
         self._rank = len(field.independent_relations) + len(ring.field.rules)
+        self._variety = Variety(self.generators, field.relations, ())
+
+    def whole(self, states: Array, slopes: Any = 0) -> Array:
+        """The values of all generators of the ring."""
+        whole = np.zeros((len(self.ring.meaning), states.shape[1]), dtype=np.int64)
+        whole[self._state], whole[self._slope] = states, slopes
+        return whole
+
+    def values(self, polynomials: _Polynomials, states: Array, p: int) -> Array:
+        """Polynomials in the generators at states."""
+        return polynomials.values(self.whole(states), p)
 
     def residuals(self, states: Array, slopes: Array, p: int) -> Array:
         """L(x) x' - R(x) and the relations, at states with given slopes: zero on motions."""
-        value, count = self.polynomials.values(states, p), len(self.places)
-        total = -value[count:]
-        row, column = np.array(self.places).T
-        np.add.at(total, row, value[:count] * slopes[column] % p)
-        return np.concatenate([total % p, self.bound.values(states, p)])
+        whole = self.whole(states, slopes)
+        return np.concatenate([f.values(whole, p) for f in (self._motion, self._bound)])
 
     def points(self, count: int, p: int, rng: Any) -> Array:
         """Random states modulo p where the relations hold, (generator, point)."""
         for _ in range(TRIES):
-            drawn, enough = self.variety.draw(np.zeros((1, 0), dtype=np.int64), count, p, rng)
+            drawn, enough = self._variety.draw(np.zeros((1, 0), dtype=np.int64), count, p, rng)
             if enough[0]:
                 return np.asarray(drawn[:, 0])
         raise EngineLimit(f"system '{self.field.system.name}': no state was found modulo a prime")
 
-    def is_smooth(self, state: Array, p: int) -> bool:
-        """Whether the differentials of the relations have their full rank at a state."""
-        slopes = self._slopes.values(state[:, None], p).reshape(-1, len(state))
-        return len(free_columns(slopes, p)[1]) == self._rank
+    def orbit(self, length: int, p: int, rng: Any) -> tuple[Array, Array]:
+        """The power series of the generators and of their slopes from a random start,
+        (generator, coefficient), at which the relations are smooth and L is regular."""
+        size = len(self.generators)
+        for _ in range(TRIES):
+            start = self.points(1, p, rng)
+            gradient = self.values(self._gradient, start, p).reshape(-1, size)
+            matrix = self.values(self._matrix, start, p).reshape(size, size, 1)
+            inverted, regular = solve_each(matrix, np.eye(size, dtype=np.int64)[:, :, None], p)
+            if regular.all() and len(free_columns(gradient, p)[1]) == self._rank:
+                return self._orbit(start[:, 0], inverted[:, :, 0], length, p)
+        raise EngineLimit(f"system '{self.field.system.name}': no regular state was found")
 
-    def orbit(self, start: Array, length: int, p: int) -> Array | None:
-        """The power series from a start, (generator, coefficient); None where L is singular."""
-        program, size = self.polynomials, len(start)
-        table = program.coefficients(p)
+    def _orbit(self, start: Array, inverted: Array, length: int, p: int) -> tuple[Array, Array]:
+        program, table = self._motion, self._motion.coefficients(p)
         x = np.zeros((len(program.nodes), length), dtype=np.int64)
-        x[0, 0], x[1 : size + 1, 0] = 1, start
-        value = np.zeros((len(table), length), dtype=np.int64)
-        slopes = np.zeros((size, length), dtype=np.int64)
-        row, column = np.array(self.places).T
+        state, slope = ([i + 1 for i in places] for places in (self._state, self._slope))
+        x[0, 0], x[state, 0] = 1, start
         levels = [np.array(level).T for level in program.levels]
-        entries, solve = len(self.places), None
         steps = inverse(np.arange(1, length + 1, dtype=np.int64), p)
         for k in range(length):
-            for node, a, b in levels:
-                x[node, k] = (
-                    (x[a, : k + 1] * x[b, k::-1] % p).sum(axis=1) % p
-                    if k
-                    else x[a, 0] * x[b, 0] % p
-                )
-            value[:, k] = (table * x[:, k] % p).sum(axis=1) % p
-            if solve is None:
-                matrix = np.zeros((size, size), dtype=np.int64)
-                matrix[row, column] = value[:entries, 0]
-                solve = _inverse_matrix(matrix, p)
-                if solve is None:
-                    return None
-            rest = value[entries:, k].copy()
-            if k:
-                earlier = (value[:entries, k:0:-1] * slopes[column, :k] % p).sum(axis=1) % p
-                np.subtract.at(rest, row, earlier)
-            slopes[:, k] = (solve * (rest % p) % p).sum(axis=1) % p
+            for last in (False, True):  # without the new coefficient of the slopes, then with it
+                for node, a, b in levels:
+                    x[node, k] = (x[a, : k + 1] * x[b, : k + 1][:, ::-1] % p).sum(axis=1) % p
+                if not last:
+                    rest = (table * x[:, k] % p).sum(axis=1) % p
+                    x[slope, k] = -(inverted * rest % p).sum(axis=1) % p
             if k + 1 < length:
-                x[1 : size + 1, k + 1] = slopes[:, k] * steps[k] % p
-        return x[1 : size + 1]
-
-
-def _inverse_matrix(matrix: Array, p: int) -> Array | None:
-    size = len(matrix)
-    try:
-        found = flint.nmod_mat(size, size, matrix.ravel().tolist(), p).inv()
-    except ZeroDivisionError:
-        return None
-    return np.array([[int(x) for x in row] for row in found.tolist()], dtype=np.int64)
-
-
-def _over_common_denominator(ring: Ring, fractions: Sequence[Any]) -> list[Any]:
-    """The numerators of fractions over one common denominator."""
-    powers: dict[int, int] = {}
-    for f in fractions:
-        for i, e in f.den:
-            powers[i] = max(powers.get(i, 0), e)
-    return [
-        f.num * ring.field.denominator([(i, e - dict(f.den).get(i, 0)) for i, e in powers.items()])
-        for f in fractions
-    ]
-
-
-@dataclass(frozen=True)
-class _Known:
-    """A known integral A/B as polynomials in the letters, and the larger of their degrees."""
-
-    polynomials: _Polynomials
-    degree: int
+                x[state, k + 1] = x[slope, k] * steps[k] % p
+        return x[state], x[slope]
 
 
 @dataclass(frozen=True)
@@ -429,13 +365,14 @@ class _Letters:
     """What the polynomials of the test are polynomials in, by ``names``, as functions of the
     generators of a flow: numerators and then denominators.
 
-    ``leading`` are the leading monomials of the relations between the letters.
+    ``known`` are known integrals A/B, A and B as polynomials in the letters, with the larger of
+    their degrees; ``leading`` are the leading monomials of the relations between the letters.
     """
 
     flow: RationalFlow
     names: tuple[str, ...]
     functions: _Polynomials
-    known: dict[str, _Known]
+    known: dict[str, tuple[_Polynomials, int]]
     leading: tuple[tuple[int, ...], ...]
 
     @classmethod
@@ -443,7 +380,8 @@ class _Letters:
         cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
     ) -> _Letters:
         ring, moving = flow.ring, [*field.velocities]
-        still = [g for g in ring.meaning if g not in moving]
+        own = (g for q in field.positions for g in (q, *flow.pairs.get(q, ())))
+        still = [g for g in own if g in flow.place]
         functions, solved = moving, dict[Any, Any]()
         names = [str(field.bridge.outward(g)) for g in [*still, *moving]]
         if momenta:
@@ -457,13 +395,13 @@ class _Letters:
         read = _Polynomials.of(len(ring.meaning), [*(f.num for f in fractions), *below])
         order = [*still, *moving]
         integrals = {n: quotient(f.xreplace(solved), field.relations) for n, f in known.items()}
-        relations = [*field.relations, *(c**2 + s**2 - 1 for c, s in ring.pairs.values())]
+        relations = [*field.relations, *(c**2 + s**2 - 1 for c, s in flow.pairs.values())]
         found = {}
         for name, pair in integrals.items():
             polynomials = _in_letters(order, pair)
             if polynomials is not None:
                 degree = max(int(f.total_degree()) for f in polynomials)
-                found[name] = _Known(_Polynomials.of(len(order), polynomials), degree)
+                found[name] = (_Polynomials.of(len(order), polynomials), degree)
         bound = _in_letters(order, relations)
         if bound is None:
             raise EngineLimit("the relations are no polynomials in the letters of the rank test")
@@ -472,11 +410,8 @@ class _Letters:
     def primes(self) -> list[int]:
         """Primes that divide no denominator."""
         found = []
-        programs = [
-            self.flow.polynomials,
-            self.functions,
-            *(k.polynomials for k in self.known.values()),
-        ]
+        own = (k for k, _ in self.known.values())
+        programs = [*self.flow.programs, self.functions, *own]
         for p in PRIMES:
             try:
                 for program in programs:
@@ -505,56 +440,58 @@ class _Letters:
 
     def values(self, states: Array, p: int) -> Array:
         """The letters at states, (letter, state)."""
-        found = self.functions.values(states, p)
+        found = self.flow.values(self.functions, states, p)
         size = len(self.names)
         return found[:size] * inverse(found[size:], p) % p
 
     def rank_along_orbit(self, exponents: Array, length: int, p: int, rng: Any) -> int:
-        """How many of the monomials are independent along one orbit, by series of a length; 0 where
-        no orbit was found."""
-        for _ in range(TRIES):
-            start = self.flow.points(1, p, rng)[:, 0]
-            orbit = self.flow.orbit(start, length, p) if self.flow.is_smooth(start, p) else None
-            if orbit is None:
-                continue
-            series = self._series([flint.nmod_poly(row.tolist(), p) for row in orbit], length, p)
-            if series is not None:
-                return _rank_of_products(exponents, series, length, p)
-        return 0
-
-    def _series(self, generators: list[Any], length: int, p: int) -> list[Any] | None:
-        """The letters along an orbit; None where one is infinite at its start."""
-        at: list[Any] = [flint.nmod_poly([1], p), *generators]
+        """How many of the monomials are independent along one orbit, by series of a length."""
+        states, slopes = self.flow.orbit(length, p, rng)
+        at: list[Any] = [flint.nmod_poly([1], p)]
+        at += [flint.nmod_poly(row.tolist(), p) for row in self.flow.whole(states, slopes)]
         at += [None] * (len(self.functions.nodes) - len(at))
-        for level in self.functions.levels:
-            for node, a, b in level:
-                at[node] = at[a].mul_low(at[b], length)
+        for node, a, b in (step for level in self.functions.levels for step in level):
+            at[node] = at[a].mul_low(at[b], length)
         sums = []
         for row in self.functions.coefficients(p):
             terms = [at[i] * int(row[i]) for i in np.flatnonzero(row)]
             sums.append(sum(terms, flint.nmod_poly([0], p)))
-        size, found = len(self.names), []
-        for above, below in zip(sums[:size], sums[size:], strict=True):
-            if int(below[0]) == 0:
-                return None
-            found.append(above.mul_low(below.inverse_series_trunc(length), length))
-        return found
+        size = len(self.names)
+        if not all(int(below[0]) for below in sums[size:]):
+            return 0
+        parts = zip(sums[:size], sums[size:], strict=True)
+        letters = [a.mul_low(b.inverse_series_trunc(length), length) for a, b in parts]
+        found = [flint.nmod_poly([1], p)] * len(exponents)
+        for i, parent, letter in _steps(exponents):
+            found[i] = found[parent].mul_low(letters[letter], length)
+        rows = [[*poly.coeffs(), *([0] * length)][:length] for poly in found]
+        return _rank(rows, p)
 
     def rank_of_multiples(self, exponents: Array, degree: int, p: int, rng: Any) -> int:
         """How many multiples of the known integrals on a level, of degrees up to the bound, are
         independent functions: their rank at random states."""
+        if not self.known:
+            return 0
         totals = exponents.sum(axis=1)
-        factors = [exponents[totals <= degree - known.degree] for known in self.known.values()]
+        factors = [exponents[totals <= degree - bound] for _, bound in self.known.values()]
         count = sum(map(len, factors)) + SURPLUS
         letters = self.values(self.flow.points(count, p, rng), p)
+        values = [known.values(letters, p) for known, _ in self.known.values()]
         columns: list[Array] = []
-        for known, rows in zip(self.known.values(), factors, strict=True):
-            above, below = known.polynomials.values(letters, p)
-            level = above[0] * pow(int(below[0]), -1, p) % p if below[0] else 0
+        regular = np.flatnonzero(np.all([below for _, below in values], axis=0))
+        if not len(regular):
+            return 0
+        place = regular[0]  # the state whose level is meant
+        for (above, below), rows in zip(values, factors, strict=True):
+            level = above[place] * pow(int(below[place]), -1, p) % p
             vanishing = (above - level * below) % p
             columns += [m * vanishing % p for m in _products(rows, letters, p)]
-        entries = [x for column in columns for x in column.tolist()]
-        return int(flint.nmod_mat(len(columns), count, entries, p).rank()) if columns else 0
+        return _rank([column.tolist() for column in columns], p)
+
+
+def _rank(rows: Sequence[Sequence[int]], p: int) -> int:
+    width = len(rows[0]) if rows else 0
+    return int(flint.nmod_mat(len(rows), width, [x for row in rows for x in row], p).rank())
 
 
 def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
@@ -591,19 +528,6 @@ def _products(exponents: Array, letters: Array, p: int) -> Array:
     for i, parent, letter in _steps(exponents):
         found[i] = found[parent] * letters[letter] % p
     return found
-
-
-def _rank_of_products(exponents: Array, letters: Sequence[Any], length: int, p: int) -> int:
-    """The rank of the series of monomials."""
-    found = [flint.nmod_poly([1], p)] * len(exponents)
-    for i, parent, letter in _steps(exponents):
-        found[i] = found[parent].mul_low(letters[letter], length)
-    entries: list[int] = []
-    for poly in found:
-        row = poly.coeffs()
-        entries += row
-        entries += [0] * (length - len(row))
-    return int(flint.nmod_mat(len(exponents), length, entries, p).rank())
 
 
 def _steps(exponents: Array) -> Iterator[tuple[int, int, int]]:

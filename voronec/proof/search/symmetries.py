@@ -1,14 +1,15 @@
 """Linear symmetries of the equations: fields that commute with the motion, and signed permutations.
 
 An affine field Y = B x + b on the variables x takes motions to motions, up to a change of clock,
-where [X, Y] = c X, which is linear in B, b and c; on relations R between variables Y(R) = 0 where
-R = 0.  Solved at random points modulo a prime, it gives all of them for generic parameters.
+where [X, Y] = c X [Theory, eq. (34)], which is linear in B, b and c; on relations R between
+variables Y(R) = 0 where R = 0.  Solved at random points modulo a prime, it gives all of them for
+generic parameters.
 
 A signed permutation A of the variables is a symmetry where X(A x) = A X(x), and a reversor where
 X(A x) = -A X(x).  All are tried at a random point modulo a prime, at random parameters.
 
-Whatever is found is proved by the exact algebra from the accelerations, which are not used to find
-it.
+Whatever is found is proved by the exact algebra: from mass and force, where a symmetry keeps the
+mass, else from the accelerations.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.arguments import accepts
+from voronec.algebra.matrices import dot
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.system import System
@@ -34,6 +36,7 @@ from voronec.errors import EngineLimit
 from voronec.proof.decision import all_zero
 from voronec.proof.search.densities import motions_at
 from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes
 from voronec.proof.search.rational import RationalFlow
 from voronec.proof.search.residues import PRIMES, Array, kernel
@@ -75,7 +78,7 @@ class SymmetryMap:
         return ", ".join(parts) + (", t -> -t" if self.reverses else "")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class SymmetrySearch:
     """The symmetries found: affine ``fields``, a basis for generic parameters, and ``maps`` that
     generate all signed permutations, ``symmetries`` and ``reversors`` in number.
@@ -92,16 +95,13 @@ class SymmetrySearch:
     missing: str
     seconds: float
 
-    def __repr__(self) -> str:
-        return f"SymmetrySearch({self.system!r}, {len(self.fields)} fields, {len(self.maps)} maps)"
-
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and the statement."""
         rows = [*(("field", str(f)) for f in self.fields), *(("map", str(m)) for m in self.maps)]
         return html_table(f"symmetries of {self.system}", [*rows, ("statement", self.statement)])
 
     @property
-    def proved(self) -> bool:
+    def decided(self) -> bool:
         """Whether all that was found is proved."""
         return all(f.verdict.proved for f in (*self.fields, *self.maps))
 
@@ -111,22 +111,13 @@ class SymmetrySearch:
         form = "signed permutations" if self.permuted else "changes of sign"
         counted = f"{self.symmetries} {form} are symmetries and {self.reversors} are reversors"
         counted = self.missing or counted
-        return f"{len(self.fields)} independent affine fields commute with the motion; {counted}."
+        fields = f"{len(self.fields)} independent affine fields take motions to motions"
+        return f"{fields}; {counted}."
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {
-            "system": self.system,
-            "fields": [{"field": str(f), "verdict": f.verdict.status} for f in self.fields],
-            "maps": [
-                {"map": str(m), "reverses": m.reverses, "verdict": m.verdict.status}
-                for m in self.maps
-            ],
-            "symmetries": self.symmetries,
-            "reversors": self.reversors,
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        texts = {"fields": [*map(str, self.fields)], "maps": [*map(str, self.maps)]}
+        return {**plain_data(self), **texts, "decided": self.decided, "statement": self.statement}
 
 
 @accepts()
@@ -145,19 +136,16 @@ def search_symmetries(
     if any(field.time in e.free_symbols for e in field.entries):
         raise EngineLimit("equations that hold the time: their symmetries are not searched")
     fields = tuple(_affine_fields(field, rng))
+    maps, times, permuted, missing = (), list[int](), False, ""
     try:
-        group = _Group.of(field, rng)
+        flow, elements, permuted = _group(field, rng)
+        maps = tuple(_proved_map(field, flow, a) for a in _generators(elements))
+        times = [time for *_, time in elements]
     except EngineLimit as limit:  # equations that are not rational
-        return SymmetrySearch(
-            motions.system.name, fields, (), 0, 0, False, f"maps were not tried: {limit}",
-            perf_counter() - begin,
-        )  # fmt: skip
-    maps = tuple(_proved_map(field, group.flow, a) for a in group.generators())
-    backward = sum(t < 0 for *_, t in group.elements)
-    return SymmetrySearch(
-        motions.system.name, fields, maps, len(group.elements) - backward, backward,
-        group.permuted, "", perf_counter() - begin,
-    )  # fmt: skip
+        missing = f"maps were not tried: {limit}"
+    name, forward = motions.system.name, times.count(1)
+    backward, seconds = len(times) - forward, perf_counter() - begin
+    return SymmetrySearch(name, fields, maps, forward, backward, permuted, missing, seconds)
 
 
 def _affine_fields(field: VectorField, rng: Any) -> Iterator[SymmetryField]:
@@ -210,6 +198,17 @@ def _commutator_table(field: VectorField, values: Values) -> Array:
     return np.moveaxis(table % p, 2, 1).reshape(-1, unknown)
 
 
+def _equations(field: VectorField, slopes: Sequence[Any]) -> list[Any]:
+    """What vanishes along the motion, in the variables and their slopes."""
+    moved = slopes[len(field.positions) :]
+    rates = [d - e for d, e in zip(slopes, field.rates, strict=False)]
+    return rates + [dot(m, moved) - f for m, f in zip(field.mass, field.force, strict=True)]
+
+
+def _vanish(field: VectorField, residuals: Sequence[Any]) -> Verdict:
+    return all_zero([("", e) for e in residuals], field.hypotheses)
+
+
 def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryField:
     size, variables = len(field.variables), [*field.variables, se.Integer(1)]
     y, clock = [se.Integer(0)] * size, entries.get(size * (size + 1), se.Integer(0))
@@ -220,71 +219,80 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
     def along(function: Any) -> Any:
         return se.Add(*[c * function.diff(x) for c, x in zip(y, field.variables, strict=True)])
 
-    residuals = [
-        (f"the rate of '{x}'", field.derivative(c) - along(rate) - clock * rate)
-        for x, c, rate in zip(field.variables, y, field.components, strict=True)
-    ]
-    residuals += [(f"the relation '{r}'", along(r)) for r in field.relations]
+    turn = [[c.diff(x) for x in field.variables] for c in y]
+    slopes = [se.Symbol(f"slope {i}") for i in range(size)]
+    pushed = [dot(row, slopes) - clock * d for row, d in zip(turn, slopes, strict=True)]
+
+    def prolonged(row: Any) -> Any:
+        """The change of an equation between the variables and their slopes."""
+        return along(row) + dot(pushed, [row.diff(d) for d in slopes])
+
+    still, kept = len(field.positions), [along(r) for r in field.relations]
+    found = Verdict("undecided", "")
+    # where Y changes the mass by a factor, no inverse of it is needed
+    for factor in dict.fromkeys((se.Integer(0), -2 * clock)):
+        rows = _equations(field, slopes)
+        back = [*zip(*turn[still:], strict=True)][still:]  # the transposed matrix of the velocities
+        residuals = [
+            prolonged(e) - dot(row[:still], rows[:still]) + clock * e
+            for e, row in zip(rows[:still], turn, strict=False)
+        ]
+        residuals += [
+            prolonged(e) + dot(row, rows[still:]) - (factor - clock) * e
+            for e, row in zip(rows[still:], back, strict=True)
+        ]
+        found = found if found.proved else _vanish(field, [*kept, *residuals])
+    if not found.proved:
+        rows = [d - e for d, e in zip(slopes, field.components, strict=True)]
+        changes = zip(rows, turn, strict=True)
+        residuals = [prolonged(e) - dot(own, rows) + clock * e for e, own in changes]
+        found = _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(c) for x, c in zip(field.variables, y, strict=True) if c != 0}
-    return SymmetryField(shown, outward(clock), all_zero(residuals, field.hypotheses))
+    return SymmetryField(shown, outward(clock), found)
 
 
 Element = tuple[tuple[int, ...], tuple[int, ...], int]
 """Of a signed permutation of generators: places, signs, and 1 or -1 for the time."""
 
 
-@dataclass(frozen=True)
-class _Group:
-    """Signed permutations of the generators of a flow that take motions to motions."""
+def _group(field: VectorField, rng: Any) -> tuple[RationalFlow, list[Element], bool]:
+    """The signed permutations of the generators of a flow that take motions to motions, and whether
+    more than changes of sign were tried."""
+    held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
+    drawn = {s: int(rng.integers(2, DRAWN)) for s in field.parameters if s in held}
+    values = {field.bridge.outward(s): sp.Integer(n) for s, n in drawn.items()}
+    flow, p = RationalFlow(specialize_field(field, values)), PRIMES[0]
+    size = len(flow.generators)
+    if 2**size > MAPS:
+        raise EngineLimit(f"there are {size} variables")
+    orbit = [series[:, 0] for series in flow.orbit(1, p, rng)]
+    signs = np.array([*product((1, -1), repeat=size)], dtype=np.int64)
+    orders, found = _arrangements(flow), list[Element]()
+    for order in orders:
+        images, moved = ((signs * part[list(order)]).T % p for part in orbit)
+        for time in (1, -1):
+            good = ~flow.residuals(images, time * moved % p, p).any(axis=0)
+            found += [(order, tuple(map(int, s)), time) for s in signs[good]]
+    return flow, [e for e in found if _is_map(flow, e)], len(orders) > 1
 
-    flow: RationalFlow
-    elements: tuple[Element, ...]
-    permuted: bool
 
-    @classmethod
-    def of(cls, field: VectorField, rng: Any) -> _Group:
-        held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
-        numbers = {
-            s: sp.Integer(int(rng.integers(2, DRAWN))) for s in field.parameters if s in held
-        }
-        values = {field.bridge.outward(s): n for s, n in numbers.items()}
-        flow, p = RationalFlow(specialize_field(field, values)), PRIMES[0]
-        size, start = len(flow.ring.meaning), flow.points(1, p, rng)[:, 0]
-        orbit = flow.orbit(start, 2, p)
-        if orbit is None or 2**size > MAPS:
-            raise EngineLimit(
-                "no regular state was found" if orbit is None else "too many variables"
-            )
-        signs = np.array([*product((1, -1), repeat=size)], dtype=np.int64)
-        orders, permuted = _arrangements(flow)
-        found: list[Element] = []
-        for order in orders:
-            images, moved = ((signs * orbit[list(order), k]).T % p for k in (0, 1))
-            for time in (1, -1):
-                good = ~flow.residuals(images, time * moved % p, p).any(axis=0)
-                found += [(order, tuple(map(int, s)), time) for s in signs[good]]
-        return cls(flow, tuple(e for e in found if _is_map(flow, e)), permuted)
+def _generators(elements: Sequence[Element]) -> list[Element]:
+    """Elements that generate all, those that move least first."""
 
-    def generators(self) -> list[Element]:
-        """Elements that generate all, those that move least first."""
-        size = len(self.flow.ring.meaning)
-        unit = (tuple(range(size)), (1,) * size, 1)
-        made, chosen = {unit}, list[Element]()
+    def moved(e: Element) -> tuple[int, ...]:
+        return (sum(i != o for i, o in enumerate(e[0])), sum(s < 0 for s in e[1]), -e[2])
 
-        def moved(e: Element) -> tuple[int, ...]:
-            changed = sum(i != o for i, o in enumerate(e[0]))
-            return (changed, sum(s < 0 for s in e[1]), -e[2])
-
-        for element in sorted(self.elements, key=moved):
-            if element in made:
-                continue
+    unit, *rest = sorted(elements, key=moved)
+    made, chosen = {unit}, list[Element]()
+    for element in rest:
+        if element not in made:
             chosen.append(element)
             grown = [*made]
             while grown:
                 grown = [x for a in chosen for b in grown if (x := _compose(a, b)) not in made]
                 made.update(grown)
-        return chosen
+    return chosen
 
 
 def _compose(a: Element, b: Element) -> Element:
@@ -292,58 +300,60 @@ def _compose(a: Element, b: Element) -> Element:
     return order, tuple(s * b[1][i] for s, i in zip(a[1], a[0], strict=True)), a[2] * b[2]
 
 
-def _arrangements(flow: RationalFlow) -> tuple[list[tuple[int, ...]], bool]:
-    """The permutations of generators that are tried: of positions, of velocities, and of angles."""
-    ring, field, size = flow.ring, flow.field, len(flow.ring.meaning)
-    kinds = [[ring.index(x)] for x in field.positions if ring.has(x) and x not in ring.pairs]
-    pairs = [[ring.index(c), ring.index(s)] for c, s in ring.pairs.values()]
-    groups = [kinds, pairs, [[ring.index(v)] for v in field.velocities]]
-    count = prod(factorial(len(g)) for g in groups) * 2**size
-    if count > MAPS:
-        return [tuple(range(size))], False
+def _arrangements(flow: RationalFlow) -> list[tuple[int, ...]]:
+    """The permutations of generators that are tried: of positions, of angles, of velocities; where
+    they are too many, the identity."""
+    place, field, size = flow.place, flow.field, len(flow.generators)
+    plain = [(place[x],) for x in field.positions if x in place and x not in flow.pairs]
+    pairs = [(place[c], place[s]) for c, s in flow.pairs.values()]
+    groups = [plain, pairs, [(place[v],) for v in field.velocities]]
+    if prod(factorial(len(g)) for g in groups) * 2**size > MAPS:
+        return [tuple(range(size))]
+    places = [i for group in groups for one in group for i in one]
     found = []
-    for chosen in product(*(permutations(g) for g in groups)):
-        order = list(range(size))
-        for group, images in zip(groups, chosen, strict=True):
-            for places, targets in zip(group, images, strict=True):
-                for i, j in zip(places, targets, strict=True):
-                    order[i] = j
-        found.append(tuple(order))
-    return found, True
+    for chosen in product(*map(permutations, groups)):
+        moved = dict(
+            zip(places, [i for group in chosen for one in group for i in one], strict=True)
+        )
+        found.append(tuple(moved.get(i, i) for i in range(size)))
+    return found
 
 
 def _is_map(flow: RationalFlow, element: Element) -> bool:
     """Whether an angle that stands bare too is mapped as its cosine and sine are."""
-    ring, (order, signs, _) = flow.ring, element
-    both = [
-        (ring.index(a), *map(ring.index, pair)) for a, pair in ring.pairs.items() if ring.has(a)
-    ]
+    place, (order, signs, _) = flow.place, element
+    both = [(place[a], *map(place.get, pair)) for a, pair in flow.pairs.items() if a in place]
     return all(order[c] == c and signs[c] > 0 and signs[q] == signs[s] for q, c, s in both)
 
 
 def _proved_map(field: VectorField, flow: RationalFlow, element: Element) -> SymmetryMap:
-    ring, (order, signs, time) = flow.ring, element
-    images: dict[Any, Any] = {}
-    for x in field.variables:
-        if ring.has(x):
-            i = ring.index(x)
-            images[x] = signs[i] * ring.meaning[order[i]]
-    angles = list(ring.pairs)
-    parts = dict(zip(angles, ring.found.angles.values(), strict=True))
-    cosines = [ring.index(c) for c, _ in ring.pairs.values()]
-    for a, (c, s) in ring.pairs.items():
-        other = angles[cosines.index(order[ring.index(c)])]
-        up, side = signs[ring.index(c)], signs[ring.index(s)]
+    place, (order, signs, time) = flow.place, element
+    images: dict[Any, Any] = {
+        x: signs[place[x]] * flow.generators[order[place[x]]] for x in field.variables if x in place
+    }
+    angles = {place[c]: a for a, (c, _) in flow.pairs.items()}
+    for a, (c, s) in flow.pairs.items():
+        up, side, turn = signs[place[c]], signs[place[s]], a / c.args[0]
         # cos and sin of (w + k pi)/d are those of w/d with their signs
-        images.setdefault(a, up * side * other + (se.pi * parts[a] if up < 0 else 0))
+        images.setdefault(a, up * side * angles[order[place[c]]] + (se.pi * turn if up < 0 else 0))
     moved = {x: e for x, e in images.items() if e != x}
-    jacobian = {x: e.diff(y) for x, e in images.items() for y in e.free_symbols}
-    residuals = []
-    for x, rate in zip(field.variables, field.components, strict=True):
-        (y,) = images[x].free_symbols & {*field.variables}
-        own = field.components[field.variables.index(y)]
-        residuals.append((f"the rate of '{x}'", jacobian[x] * own * time - rate.xreplace(moved)))
-    residuals += [(f"the relation '{r}'", r.xreplace(moved)) for r in field.relations]
+    targets = [next(iter(images[x].free_symbols)) for x in field.variables]
+    factors = [time * images[x].diff(y) for x, y in zip(field.variables, targets, strict=True)]
+    places = [field.variables.index(y) for y in targets]
+    slopes = [se.Symbol(f"slope {i}") for i in range(len(targets))]
+    turned = dict(
+        zip(slopes, [f * slopes[i] for f, i in zip(factors, places, strict=True)], strict=True)
+    )
+    kept = [r.xreplace(moved) for r in field.relations]
+    solved = (d - e for d, e in zip(slopes, field.components, strict=True))
+    found = Verdict("undecided", "")
+    for rows in (_equations(field, slopes), solved):  # where the mass is kept, without its inverse
+        rows = [*rows]
+        residuals = [
+            e.xreplace({**moved, **turned}) - f * rows[i]
+            for e, f, i in zip(rows, factors, places, strict=True)
+        ]
+        found = found if found.proved else _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(e) for x, e in moved.items()}
-    return SymmetryMap(shown, time < 0, all_zero(residuals, field.hypotheses))
+    return SymmetryMap(shown, time < 0, found)
