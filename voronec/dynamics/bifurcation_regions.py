@@ -20,18 +20,18 @@ CELLS = 300
 """Cells of the raster in each direction."""
 FEWEST = 9
 """Regions of fewer cells are left out."""
-SAMPLES = 500
-"""Points of a level at most, of which components are made."""
-NEIGHBOURS = 12
-"""Each is compared with so many."""
+SAMPLES = {1: 120, 2: 500}
+"""Points of a level, by its dimension, of which components are made."""
+NEIGHBOURS = 6
+"""Each is compared with so many for each dimension."""
 BETWEEN = 8
 """The way from point to point is cut into so many parts; where one of them is JUMP times as long
 as it should be, or longer, there is a gap."""
 JUMP = 3.0
 SMALLEST = 0.01
 """A component has this part of the points, or more: fewer are points that found no neighbours."""
-PLACES = 3
-"""Levels of a region that are looked at."""
+PLACES, ASIDE = 5, 5
+"""Levels of a region that are looked at; at random so many cells away from its edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +44,11 @@ class Region:
     share: float
     components: int | None
     counts: tuple[int, ...] = field(repr=False)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all levels that were looked at have as many components."""
+        return len({*self.counts}) == 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +65,20 @@ class LevelComponents:
 
 
 def level_components(
-    points: CriticalPoints, place: Sequence[float], count: int = SAMPLES, seed: int = 1
+    points: CriticalPoints, place: Sequence[float], seed: int = 1
 ) -> LevelComponents:
     """The components of the level of which ``place`` (2,) are the values of the two integrals."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    own = points.map
-    count = count if points.dimension > 1 else count // 2
+    own, count = points.map, SAMPLES.get(points.dimension, SAMPLES[2])
     targets = [*points.targets, *place]
     x = own.project(own.random_points(2 * count, seed), points.rows, targets)[:count]
     if len(x) < 2:
         return LevelComponents(x, np.zeros(len(x), dtype=int))
     scaled = x / own.units
-    near = cKDTree(scaled).query(scaled, min(NEIGHBOURS, len(x) - 1) + 1)[1]
+    near = cKDTree(scaled).query(scaled, min(NEIGHBOURS * points.dimension, len(x) - 1) + 1)[1]
     pairs = np.unique(
         np.sort([(i, j) for i, row in enumerate(near) for j in row if i != j], axis=1), axis=0
     )
@@ -143,26 +147,17 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
 
 
 def _region(points: CriticalPoints, inside: np.ndarray) -> Region:
-    """A region of the raster: levels are looked at where it is widest."""
+    """A region of the raster: levels are looked at where it is widest, and at random."""
     from scipy import ndimage
 
-    window, deep = points.window, np.pad(inside, 1)
-    places, counts = [], []
-    for seed in range(1, PLACES + 1):
-        depth = ndimage.distance_transform_edt(deep)[1:-1, 1:-1]
-        cell = np.array(np.unravel_index(int(np.argmax(depth)), depth.shape))
-        places.append(window[:, 0] + (cell + 0.5) / CELLS * np.ptp(window, axis=1))
-        counts.append(level_components(points, places[-1], seed=seed).count)
-        if seed == 2 and counts[0] == counts[1]:
-            break
-        # the next one lies elsewhere
-        radius = max(2, int(depth.max() / 2))
-        low, high = np.maximum(cell + 1 - radius, 0), cell + 2 + radius
-        deep = deep.copy()
-        deep[low[0] : high[0], low[1] : high[1]] = False
-        if not deep.any():
-            break
-    most = max(set(counts), key=counts.count)
-    agreed = counts.count(most) > len(counts) / 2
-    x, y = places[counts.index(most)].tolist()
-    return Region((x, y), float(inside.mean()), most if agreed else None, tuple(counts))
+    window = points.window
+    depth = ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+    widest = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    aside = np.argwhere(depth > min(ASIDE, depth.max() / 2))
+    random = np.random.default_rng(len(aside))
+    cells = np.array([widest, *random.choice(aside, PLACES - 1)])
+    places = window[:, 0] + (cells + 0.5) / CELLS * np.ptp(window, axis=1)
+    counts = tuple(level_components(points, place).count for place in places)
+    agreed = counts.count(counts[0]) > len(counts) / 2
+    x, y = places[0].tolist()
+    return Region((x, y), float(inside.mean()), counts[0] if agreed else None, counts)

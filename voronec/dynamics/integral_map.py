@@ -43,7 +43,7 @@ EXACT = 1e-3
 """The largest error of the embedded method of order 5, in the units of the variables."""
 NUDGE = 1e-5
 """The step of central differences, whose error is about its square."""
-ITERATIONS = 40
+ITERATIONS = 25
 """Steps of Newton's method towards a level."""
 MET = 1e-10
 """A point lies on a level where its integrals are met to this, in their sizes."""
@@ -144,23 +144,25 @@ class IntegralMap:
         level."""
         rows, x = [*rows], x.copy()
         values = np.array([0.0] * (len(rows) - len(targets)) + [*targets])
-        met = np.zeros(len(x), dtype=bool)
+        met, todo = np.zeros(len(x), dtype=bool), np.arange(len(x))
         for _ in range(ITERATIONS):
-            value, slopes = (part[:, rows] for part in self.jet(x))
+            value, slopes = (part[:, rows] for part in self.jet(x[todo]))
             off, matrix = value - values, slopes * self.units
             sizes = np.linalg.norm(matrix, axis=2)
             longest = sizes.max(axis=1, keepdims=True, initial=0.0)
             sizes = np.maximum(sizes, 1e-3 * longest + 1e-300)
-            finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
             off, matrix = off / sizes, matrix / sizes[..., None]
-            off[~finite], matrix[~finite] = 0.0, 0.0
-            met = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
-            if met.all() or not (finite & ~met).any():
+            finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
+            near = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
+            met[todo[near]] = True
+            goes_on = finite & ~near
+            todo, off, matrix = todo[goes_on], off[goes_on], matrix[goes_on]
+            if not len(todo):
                 break
             square = matrix @ matrix.transpose(0, 2, 1) + 1e-12 * np.eye(len(rows))
             step = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, off[..., None]))[..., 0]
             length = np.linalg.norm(step, axis=1, keepdims=True)
-            x -= self.units * step / np.maximum(length, 1.0)
+            x[todo] -= self.units * step / np.maximum(length, 1.0)
         return x, met
 
     def home(self, x: np.ndarray) -> dict[str, float]:
