@@ -227,13 +227,15 @@ class CarriedIntegrals:
                 signs.append(np.sign(found[..., width:].real))
                 return step[..., None] * found[..., :width]
 
+            def weighted(row: np.ndarray, stages: list[Any]) -> Any:
+                return sum(a * k for a, k in zip(row, stages, strict=False) if a)
+
             for _ in range(STEPS):
                 stages: list[Any] = []
                 for row in DOP853.A[: DOP853.n_stages]:
-                    known = np.tensordot(row[: len(stages)], stages, 1) if stages else 0.0
-                    stages.append(field(here + known))
-                here = here + np.tensordot(DOP853.B, stages, 1)
-                wrong = np.abs(np.tensordot(DOP853.E5[: len(stages)], stages, 1))
+                    stages.append(field(here + weighted(row, stages)))
+                here = here + weighted(DOP853.B, stages)
+                wrong = np.abs(weighted(DOP853.E5, stages))
                 error = np.maximum(error, wrong.max(axis=-1))
         beyond = np.any([s != signs[-1] for s in signs], axis=(0, -1)) | ~(error < EXACT)
         return np.where(beyond[..., None], np.nan, here[..., [*map(self.own.index, self.carried)]])
