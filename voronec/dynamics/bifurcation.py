@@ -41,7 +41,7 @@ from voronec.proof.claims import check_claims
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MORE = 2
+MORE = 1
 """Where levels of a region differ curves are looked for so many times more."""
 SPREAD = (0.0, 50.0)
 """The window shows the values of random points between these percentiles, unless it is given."""
@@ -256,7 +256,9 @@ def bifurcation_diagram(
     depends on the time or its right side is not smooth, and for unknown names.
     """
     own = system.system if isinstance(system, VoronecEquations) else require_system(system)
-    named = [plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")]
+    named = [
+        plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")
+    ]
     moving = [a for a in named if a in own.parameter_names]
     found = integral_map(system, scene, parameters or {}, moving)
     chosen, free = _choose(found, named)
@@ -329,7 +331,9 @@ def _window(
     values = found.jet(x, 0)[0][:, rows[-2:]]
     values = values[np.isfinite(values).all(axis=1)]
     window = np.percentile(values, SPREAD, axis=0).T
-    window = np.array([np.minimum(window[:, 0], values[-1]), np.maximum(window[:, 1], values[-1])]).T
+    window = np.array(
+        [np.minimum(window[:, 0], values[-1]), np.maximum(window[:, 1], values[-1])]
+    ).T
     window += 0.08 * np.ptp(window, axis=1)[:, None] * [-1, 1]
     for name, span in between.items():
         key = plain_name(name) if not isinstance(name, str) else name

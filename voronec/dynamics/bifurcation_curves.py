@@ -146,7 +146,8 @@ class CriticalPoints:
     def kind(self, y: np.ndarray) -> str:
         """What the second variation says; see ``CriticalCurve``."""
         _, slope, second = self.jets(y)
-        slope = slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300)
+        lengths = np.linalg.norm(slope, axis=1, keepdims=True)
+        slope = slope / np.maximum(lengths, 1e-3 * lengths.max() + 1e-300)
         form = np.tensordot(y[len(self.map.units) :], second, 1)
         _, sizes, right = np.linalg.svd(slope)
         tangent = right[int((sizes > SMALL).sum()) :]
@@ -204,9 +205,7 @@ def _ends_there(isolated: CriticalCurve, curves: Sequence[CriticalCurve], size: 
     return min(gaps, default=np.inf) < STEP
 
 
-def _curve(
-    points: CriticalPoints, ys: Sequence[np.ndarray], kinds: Sequence[str]
-) -> CriticalCurve:
+def _curve(points: CriticalPoints, ys: Sequence[np.ndarray], kinds: Sequence[str]) -> CriticalCurve:
     path, n = _path(points, ys), len(points.map.units)
     low, size = points.window[:, 0], points.scales[-2:]
     states = np.array([y[:n] for y in ys]) * points.map.units

@@ -33,7 +33,7 @@ from voronec.equations.program.jacobian import joint_block
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
-from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.request import number
 from voronec.motion.state_probe import at_each
 
@@ -281,12 +281,6 @@ def integral_map(
         read = {name: flow.read(f) for name, f in functions.items()}
         read = dict(zip(read, canonical([*read.values()], flow.relations), strict=True))
     known = [p.name for p in own.parameters]
-    for name in moving:
-        if name not in known:
-            near = did_you_mean(name, [*read, *known])
-            raise DefinitionError(
-                f"system '{own.name}': '{name}' is neither a proved integral nor a parameter{near}"
-            )
     kept = _needed(flow, [*read.values()])
     relations, formulas, more = _lift(motions, flow, [*read.values()])
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
