@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
     from voronec.dynamics.charts import SteadyChart as SteadyChart
+    from voronec.dynamics.bifurcation import BifurcationDiagram as BifurcationDiagram
+    from voronec.dynamics.bifurcation import bifurcation_diagram as bifurcation_diagram
     from voronec.dynamics.exponents import Exponents as Exponents
     from voronec.dynamics.exponents import exponents as exponents
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
@@ -140,6 +142,7 @@ _HOME = {
         "declaration.shapes": "Shape",
         "declaration.sketch": "Sketch",
         "declaration.system": "System",
+        "dynamics.bifurcation": "BifurcationDiagram bifurcation_diagram",
         "dynamics.charts": "SteadyChart",
         "dynamics.exponents": "Exponents exponents",
         "dynamics.families": "SteadyFamily",

@@ -296,6 +296,17 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _number("count", 100, "steps"),
         Option("--out DIR", "folder for family.csv and family.svg"),
     ),
+    "bifurcation": (
+        "bifurcation", "draw the bifurcation diagram of the integrals: critical values, tori",
+        SYSTEM,
+        Option("--axes A,B", "two proved integrals, or one and a parameter (the first two)"),
+        _several("--at NAME=VALUE", "the value of another integral" + OFTEN),
+        _several("--set NAME=VALUE", "another value of a parameter" + OFTEN),
+        _several("--between NAME=A:B", "from where to where an axis goes" + OFTEN),
+        Option("--scene S", "the scene whose start tells of usual sizes ('default')"),
+        _number("starts", 40, "searches"), _number("seed", 1, "of the random starts"),
+        Option("--out DIR", "folder for bifurcation.csv and bifurcation.svg"),
+    ),
     "sweep": (
         "sweep", "compute many motions over grids, lists and draws, into a folder", SYSTEM,
         _several("--grid NAME=A:B:N|A,B,C",

@@ -41,7 +41,9 @@ from voronec.proof.claims import check_claims
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPREAD = (0.0, 90.0)
+MORE = 1
+"""Where levels of a region differ curves are looked for so many times more."""
+SPREAD = (0.0, 50.0)
 """The window shows the values of random points between these percentiles, unless it is given."""
 TRIES = 10
 """At so many points of a torus coordinates are looked for."""
@@ -254,7 +256,9 @@ def bifurcation_diagram(
     depends on the time or its right side is not smooth, and for unknown names.
     """
     own = system.system if isinstance(system, VoronecEquations) else require_system(system)
-    named = [plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")]
+    named = [
+        plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")
+    ]
     moving = [a for a in named if a in own.parameter_names]
     found = integral_map(system, scene, parameters or {}, moving)
     chosen, free = _choose(found, named)
@@ -265,6 +269,11 @@ def bifurcation_diagram(
     points = CriticalPoints(found, tuple(rows), targets, window)
     curves = critical_curves(points, starts, seed)
     raster = regions_of(points, curves) if _is_integrable(own, points) else None
+    for more in range(1, MORE + 1):
+        if raster is None or all(region.is_uniform for region in raster.regions):
+            break  # else a curve was missed
+        curves = critical_curves(points, starts, seed + more, curves)
+        raster = regions_of(points, curves)
     motions, values = _steady(own, found, held, chosen, parameters or {}, starts, seed)
     return BifurcationDiagram(
         own, (chosen[0], chosen[1]), held, dict(parameters or {}), points, tuple(curves), raster,
@@ -287,11 +296,17 @@ def _choose(found: IntegralMap, named: Sequence[str]) -> tuple[list[str], list[s
         wider = [*rows, *found.places([name])]
         if found.rank(wider) == len(wider):
             rows, independent = wider, [*independent, name]
-    if len(independent) < 2 or [*named] != independent[: len(named)]:
-        what = " and ".join(named) if named else "its proved integrals"
+    if named and named != independent[:2]:
         raise DefinitionError(
-            f"system '{system}': {what} are functions of {independent[0] if independent else 'none'}"
-            " alone; take another integral for an axis, or a parameter: axes=('energy', 'm')"
+            f"system '{system}': {' and '.join(named)} depend on one another; take another axis"
+        )
+    if len(independent) < 2:
+        known = found.phase.system.parameter_names
+        other = f": axes=('{independent[0]}', '{[*known][0]}')" if known and independent else ""
+        raise DefinitionError(
+            f"system '{system}': its proved integrals are functions of one alone, "
+            f"{', '.join(independent) or 'which is constant'}; take a parameter for the other "
+            f"axis{other}"
         )
     return independent[:2], independent[2:]
 
@@ -316,7 +331,9 @@ def _window(
     values = found.jet(x, 0)[0][:, rows[-2:]]
     values = values[np.isfinite(values).all(axis=1)]
     window = np.percentile(values, SPREAD, axis=0).T
-    window = np.array([np.minimum(window[:, 0], values[-1]), np.maximum(window[:, 1], values[-1])]).T
+    window = np.array(
+        [np.minimum(window[:, 0], values[-1]), np.maximum(window[:, 1], values[-1])]
+    ).T
     window += 0.08 * np.ptp(window, axis=1)[:, None] * [-1, 1]
     for name, span in between.items():
         key = plain_name(name) if not isinstance(name, str) else name

@@ -42,7 +42,7 @@ MARGIN = 0.02
 """Curves are followed so far beyond the window."""
 RECENT = 256
 """What was computed at so many points is kept."""
-KINDS = ("stable", "saddle", "degenerate")
+KINDS = ("stable", "saddle", "degenerate", "isolated")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,8 @@ class CriticalCurve:
     """A curve of critical values: ``values`` (k, 2) of the two integrals, ``points`` (k, n) with
     these, ``normals`` (k,) the angles of the curve's normal; ``kinds`` (k,) are ``stable`` where
     the combination of the integrals has a minimum or maximum there, ``saddle`` where it has none,
-    or ``degenerate``."""
+    or ``degenerate``; ``isolated`` is a value that stands alone, where both integrals are
+    critical."""
 
     values: np.ndarray
     points: np.ndarray = field(repr=False)
@@ -145,7 +146,8 @@ class CriticalPoints:
     def kind(self, y: np.ndarray) -> str:
         """What the second variation says; see ``CriticalCurve``."""
         _, slope, second = self.jets(y)
-        slope = slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300)
+        lengths = np.linalg.norm(slope, axis=1, keepdims=True)
+        slope = slope / np.maximum(lengths, 1e-3 * lengths.max() + 1e-300)
         form = np.tensordot(y[len(self.map.units) :], second, 1)
         _, sizes, right = np.linalg.svd(slope)
         tangent = right[int((sizes > SMALL).sum()) :]
@@ -158,11 +160,10 @@ class CriticalPoints:
 
     def starts(self, count: int, seed: int) -> Iterator[np.ndarray]:
         """Critical points to which random starts lead."""
-        own, held = self.map, len(self.targets)
-        x = own.random_points(4 * count, seed)
-        targets = self.targets[own.relations :]
-        x = own.project(x, self.rows[:held], targets)[:count]
-        random = np.random.default_rng(seed)
+        own, held, random = self.map, len(self.targets), np.random.default_rng(seed)
+        # slow and fast, so that small values are met, too
+        x = own.random_points(4 * count, seed) * random.uniform(0.05, 1, size=(4 * count, 1))
+        x = own.project(x, self.rows[:held], self.targets[own.relations :])[:count]
         for point in x:
             weights = random.normal(size=len(self.rows))
             slope = own.jet(point[None])[1][0, [*self.rows]] * own.units / self.scales[:, None]
@@ -173,19 +174,20 @@ class CriticalPoints:
                 yield found
 
 
-def critical_curves(points: CriticalPoints, starts: int, seed: int) -> list[CriticalCurve]:
-    """The curves in the window to which so many random starts lead; isolated values are curves of
-    one point."""
-    found: list[CriticalCurve] = []
-    known: list[np.ndarray] = []
+def critical_curves(
+    points: CriticalPoints, starts: int, seed: int, before: Sequence[CriticalCurve] = ()
+) -> list[CriticalCurve]:
+    """The curves in the window to which so many random starts lead, beside those that are known;
+    isolated values are curves of one point."""
+    found, low, size = [*before], points.window[:, 0], points.scales[-2:]
+    known = [np.column_stack([(c.values - low) / size, c.normals]) for c in before]
     for y in points.starts(starts, seed):
         value = points.values(y)
         if not _is_inside(value) or any(_is_on(value, path) for path in known):
             continue
-        kind = points.kind(y)
         if points.is_isolated(y):
             if not any(np.abs(value[:2] - path[:, :2]).max(axis=1).min() < SAME for path in known):
-                found.append(_curve(points, [y], [kind]))
+                found.append(_curve(points, [y], ["isolated"]))
                 known.append(value[None])
             continue
         there = _follow(points, y, 1.0, known)
@@ -193,12 +195,17 @@ def critical_curves(points: CriticalPoints, starts: int, seed: int) -> list[Crit
         ys = [*back[::-1], y, *there]
         known.append(_path(points, ys))
         found.append(_curve(points, ys, [points.kind(z) for z in ys]))
-    return found
+    return [c for c in found if len(c) > 1 or not _ends_there(c, found, size)]
 
 
-def _curve(
-    points: CriticalPoints, ys: Sequence[np.ndarray], kinds: Sequence[str]
-) -> CriticalCurve:
+def _ends_there(isolated: CriticalCurve, curves: Sequence[CriticalCurve], size: np.ndarray) -> bool:
+    """Whether an isolated value is where curves begin, end or pass."""
+    gaps = [np.abs((c.values - isolated.values) / size).max(axis=1).min()
+            for c in curves if len(c) > 1]  # fmt: skip
+    return min(gaps, default=np.inf) < STEP
+
+
+def _curve(points: CriticalPoints, ys: Sequence[np.ndarray], kinds: Sequence[str]) -> CriticalCurve:
     path, n = _path(points, ys), len(points.map.units)
     low, size = points.window[:, 0], points.scales[-2:]
     states = np.array([y[:n] for y in ys]) * points.map.units
@@ -218,13 +225,13 @@ def _is_on(value: np.ndarray, path: np.ndarray) -> bool:
     if len(path) < 2:
         return False
     a, b = path[:-1], path[1:]
-    turn = [(p[:, 2] - value[2] + np.pi / 2) % np.pi - np.pi / 2 for p in (a, b)]
+    first, last = ((p[:, 2] - value[2] + np.pi / 2) % np.pi - np.pi / 2 for p in (a, b))
     along = b[:, :2] - a[:, :2]
     share = ((value[:2] - a[:, :2]) * along).sum(1) / np.maximum((along**2).sum(1), 1e-300)
     share = np.clip(share, 0, 1)
     off = np.abs(a[:, :2] + share[:, None] * along - value[:2]).max(axis=1)
-    turned = np.minimum(*np.abs(turn))
-    return bool(((off < SAME) & (turned < TURN)).any())
+    turned = np.abs((1 - share) * first + share * last)
+    return bool(((off < SAME) & (turned < 10 * SAME)).any())
 
 
 def _follow(

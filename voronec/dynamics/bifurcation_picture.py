@@ -11,7 +11,7 @@ from voronec.declaration.figure_style import FAINT, INK, MARK, SOFT, figure_in_s
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = {"stable": INK, "saddle": MARK, "degenerate": "#b8860b"}
+COLOURS = {"stable": INK, "saddle": MARK, "degenerate": "#b8860b", "isolated": INK}
 SHADES = ("#ffffff", "#eef2f6", "#dce5ee", "#c6d5e4", "#aec4d8", "#96b3cd")
 """Of regions with no, one, two, ... tori."""
 

@@ -1,9 +1,9 @@
 """Regions of a bifurcation diagram, and the components of the levels in them.
 
 The curves of critical values cut the window into regions; in each, compact levels are all alike.  A
-level is sampled by Newton's method from random points, and points next to each other belong to one
-component where the way between them, projected to the level, has no jump.  All that is computed: a
-region narrower than a cell of the raster, and a component that no random point leads to, are missed.
+level is sampled by Newton's method from random points, and points belong to one component where
+short steps on the level lead from one to the other.  All that is computed: a region narrower than a
+cell of the raster, and a component that no random point leads to, are missed.
 """
 
 from __future__ import annotations
@@ -20,18 +20,16 @@ CELLS = 300
 """Cells of the raster in each direction."""
 FEWEST = 9
 """Regions of fewer cells are left out."""
-SAMPLES = 500
-"""Points of a level at most, of which components are made."""
-NEIGHBOURS = 12
-"""Each is compared with so many."""
-BETWEEN = 8
-"""The way from point to point is cut into so many parts; where one of them is JUMP times as long
-as it should be, or longer, there is a gap."""
-JUMP = 3.0
-SMALLEST = 0.01
+SAMPLES = {1: 60, 2: 400}
+"""Random points, by the dimension of the level, of which twice components are made."""
+NEIGHBOURS = 20
+"""Of each component so many points are compared with those of others that lie nearest."""
+WALK = 12
+"""The way from point to point is cut into so many steps, and has four times as many at most."""
+SMALLEST = 0.02
 """A component has this part of the points, or more: fewer are points that found no neighbours."""
-PLACES = 3
-"""Levels of a region that are looked at."""
+PLACES, ASIDE = 5, 5
+"""Levels of a region that are looked at; at random so many cells away from its edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +42,11 @@ class Region:
     share: float
     components: int | None
     counts: tuple[int, ...] = field(repr=False)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all levels that were looked at have as many components."""
+        return len({*self.counts}) == 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,27 +63,31 @@ class LevelComponents:
 
 
 def level_components(
-    points: CriticalPoints, place: Sequence[float], count: int = SAMPLES, seed: int = 1
+    points: CriticalPoints, place: Sequence[float], seed: int = 1
 ) -> LevelComponents:
     """The components of the level of which ``place`` (2,) are the values of the two integrals."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    own = points.map
-    count = count if points.dimension > 1 else count // 2
+    own, count = points.map, SAMPLES.get(points.dimension, SAMPLES[2])
     targets = [*points.targets, *place]
-    x = own.project(own.random_points(2 * count, seed), points.rows, targets)[:count]
+    x = own.project(own.random_points(count, seed), points.rows, targets)
     if len(x) < 2:
         return LevelComponents(x, np.zeros(len(x), dtype=int))
-    scaled = x / own.units
-    near = cKDTree(scaled).query(scaled, min(NEIGHBOURS, len(x) - 1) + 1)[1]
-    pairs = np.unique(
-        np.sort([(i, j) for i, row in enumerate(near) for j in row if i != j], axis=1), axis=0
-    )
-    joined = pairs[_are_joined(points, x[pairs[:, 0]], x[pairs[:, 1]], targets)]
-    graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(x), len(x)))
-    labels = connected_components(graph, directed=False)[1]
+    # once more, with the sizes that the variables have on the level
+    sizes = np.sqrt((x**2).mean(axis=0))
+    units = np.maximum(sizes, 1e-3 * own.units)
+    random = np.random.default_rng(seed).normal(size=(count, len(units)))
+    x = np.vstack([x, own.project(random * units, points.rows, targets)])
+    near = cKDTree(x / units).query(x / units, min(3, len(x)))[1]
+    tried = np.unique([sorted((i, j)) for i, row in enumerate(near) for j in row[1:]], axis=0)
+    joined = tried[_are_joined(points, x[tried[:, 0]], x[tried[:, 1]], targets, units)]
+    while True:
+        labels = _labels(len(x), joined)
+        tried = _between_components(x / units, labels)
+        fresh = tried[_are_joined(points, x[tried[:, 0]], x[tried[:, 1]], targets, units)]
+        if not len(fresh):
+            break
+        joined = np.vstack([joined, fresh])
     sizes = np.bincount(labels)
     kept = np.flatnonzero(sizes >= max(2, SMALLEST * len(x)))
     order = {int(k): i for i, k in enumerate(kept[np.argsort(-sizes[kept], kind="stable")])}
@@ -88,18 +95,52 @@ def level_components(
     return LevelComponents(x[inside], np.array([order[int(k)] for k in labels[inside]], dtype=int))
 
 
+def _labels(count: int, joined: np.ndarray) -> np.ndarray:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(joined)), joined.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _between_components(scaled: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Pairs (p, 2) of the points that lie nearest between each component and the others."""
+    from scipy.spatial import cKDTree
+
+    pairs = [np.zeros((0, 2), dtype=int)]
+    for k in range(int(labels.max()) + 1):
+        inside, outside = np.flatnonzero(labels == k), np.flatnonzero(labels != k)
+        if len(outside):
+            gaps, other = cKDTree(scaled[outside]).query(scaled[inside])
+            first = np.argsort(gaps)[:NEIGHBOURS]
+            pairs.append(np.column_stack([inside[first], outside[other[first]]]))
+    return np.vstack(pairs)
+
+
 def _are_joined(
-    points: CriticalPoints, a: np.ndarray, b: np.ndarray, targets: Sequence[float]
-) -> np.ndarray:
-    """Which ways (p,) between points of a level (p, n) are on it without a jump."""
-    own, shares = points.map, np.linspace(0, 1, BETWEEN + 1)[1:-1]
-    ways = a[:, None] + shares[:, None] * (b - a)[:, None]
-    n = len(own.units)
-    found, met = own.settle(ways.reshape(-1, n), points.rows, targets)
-    whole = np.concatenate([a[:, None], found.reshape(ways.shape), b[:, None]], axis=1) / own.units
-    parts = np.linalg.norm(np.diff(whole, axis=1), axis=2)
-    straight = np.linalg.norm((b - a) / own.units, axis=1) / BETWEEN
-    joined: np.ndarray = (parts.max(axis=1) < JUMP * straight) & met.reshape(len(a), -1).all(axis=1)
+    points: CriticalPoints, a: np.ndarray, b: np.ndarray, targets: Sequence[float],
+    units: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Which points of a level (p, n) are reached from which on it, by short steps along it towards
+    them, in units of the level."""
+    own, here = points.map, a.copy()
+    length = np.linalg.norm((b - a) / units, axis=1) / WALK
+    joined, todo = np.zeros(len(a), dtype=bool), np.arange(len(a))
+    for _ in range(4 * WALK):
+        way = (b[todo] - here[todo]) / units
+        near = np.linalg.norm(way, axis=1) < 1.1 * length[todo]
+        joined[todo[near]] = True
+        todo, way = todo[~near], way[~near]
+        if not len(todo):
+            break
+        slopes = own.jet(here[todo])[1][:, [*points.rows]] * units
+        across = np.linalg.pinv(slopes) @ (slopes @ way[..., None])
+        along = way - across[..., 0]
+        pace = length[todo] / np.maximum(np.linalg.norm(along, axis=1), 1e-300)
+        ahead = here[todo] + units * along * pace[:, None]
+        here[todo], met = own.settle(ahead, points.rows, targets)
+        met &= np.linalg.norm((here[todo] - ahead) / units, axis=1) < length[todo]
+        todo = todo[met]
     return joined
 
 
@@ -143,26 +184,17 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
 
 
 def _region(points: CriticalPoints, inside: np.ndarray) -> Region:
-    """A region of the raster: levels are looked at where it is widest."""
+    """A region of the raster: levels are looked at where it is widest, and at random."""
     from scipy import ndimage
 
-    window, deep = points.window, np.pad(inside, 1)
-    places, counts = [], []
-    for seed in range(1, PLACES + 1):
-        depth = ndimage.distance_transform_edt(deep)[1:-1, 1:-1]
-        cell = np.array(np.unravel_index(int(np.argmax(depth)), depth.shape))
-        places.append(window[:, 0] + (cell + 0.5) / CELLS * np.ptp(window, axis=1))
-        counts.append(level_components(points, places[-1], seed=seed).count)
-        if seed == 2 and counts[0] == counts[1]:
-            break
-        # the next one lies elsewhere
-        radius = max(2, int(depth.max() / 2))
-        low, high = np.maximum(cell + 1 - radius, 0), cell + 2 + radius
-        deep = deep.copy()
-        deep[low[0] : high[0], low[1] : high[1]] = False
-        if not deep.any():
-            break
-    most = max(set(counts), key=counts.count)
-    agreed = counts.count(most) > len(counts) / 2
-    x, y = places[counts.index(most)].tolist()
-    return Region((x, y), float(inside.mean()), most if agreed else None, tuple(counts))
+    window = points.window
+    depth = ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+    widest = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    aside = np.argwhere(depth > min(ASIDE, depth.max() / 2))
+    random = np.random.default_rng(len(aside))
+    cells = np.array([widest, *random.choice(aside, PLACES - 1)])
+    places = window[:, 0] + (cells + 0.5) / CELLS * np.ptp(window, axis=1)
+    counts = tuple(level_components(points, place).count for place in places)
+    agreed = counts.count(counts[0]) > len(counts) / 2
+    x, y = places[0].tolist()
+    return Region((x, y), float(inside.mean()), counts[0] if agreed else None, counts)

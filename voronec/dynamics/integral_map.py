@@ -33,7 +33,7 @@ from voronec.equations.program.jacobian import joint_block
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
-from voronec.errors import DefinitionError, VoronecError, did_you_mean
+from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.request import number
 from voronec.motion.state_probe import at_each
 
@@ -43,7 +43,7 @@ EXACT = 1e-3
 """The largest error of the embedded method of order 5, in the units of the variables."""
 NUDGE = 1e-5
 """The step of central differences, whose error is about its square."""
-ITERATIONS = 40
+ITERATIONS = 25
 """Steps of Newton's method towards a level."""
 MET = 1e-10
 """A point lies on a level where its integrals are met to this, in their sizes."""
@@ -144,23 +144,25 @@ class IntegralMap:
         level."""
         rows, x = [*rows], x.copy()
         values = np.array([0.0] * (len(rows) - len(targets)) + [*targets])
-        met = np.zeros(len(x), dtype=bool)
+        met, todo = np.zeros(len(x), dtype=bool), np.arange(len(x))
         for _ in range(ITERATIONS):
-            value, slopes = (part[:, rows] for part in self.jet(x))
+            value, slopes = (part[:, rows] for part in self.jet(x[todo]))
             off, matrix = value - values, slopes * self.units
             sizes = np.linalg.norm(matrix, axis=2)
             longest = sizes.max(axis=1, keepdims=True, initial=0.0)
             sizes = np.maximum(sizes, 1e-3 * longest + 1e-300)
-            finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
             off, matrix = off / sizes, matrix / sizes[..., None]
-            off[~finite], matrix[~finite] = 0.0, 0.0
-            met = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
-            if met.all() or not (finite & ~met).any():
+            finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
+            near = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
+            met[todo[near]] = True
+            goes_on = finite & ~near
+            todo, off, matrix = todo[goes_on], off[goes_on], matrix[goes_on]
+            if not len(todo):
                 break
             square = matrix @ matrix.transpose(0, 2, 1) + 1e-12 * np.eye(len(rows))
             step = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, off[..., None]))[..., 0]
             length = np.linalg.norm(step, axis=1, keepdims=True)
-            x -= self.units * step / np.maximum(length, 1.0)
+            x[todo] -= self.units * step / np.maximum(length, 1.0)
         return x, met
 
     def home(self, x: np.ndarray) -> dict[str, float]:
@@ -225,13 +227,15 @@ class CarriedIntegrals:
                 signs.append(np.sign(found[..., width:].real))
                 return step[..., None] * found[..., :width]
 
+            def weighted(row: np.ndarray, stages: list[Any]) -> Any:
+                return sum(a * k for a, k in zip(row, stages, strict=False) if a)
+
             for _ in range(STEPS):
                 stages: list[Any] = []
                 for row in DOP853.A[: DOP853.n_stages]:
-                    known = np.tensordot(row[: len(stages)], stages, 1) if stages else 0.0
-                    stages.append(field(here + known))
-                here = here + np.tensordot(DOP853.B, stages, 1)
-                wrong = np.abs(np.tensordot(DOP853.E5[: len(stages)], stages, 1))
+                    stages.append(field(here + weighted(row, stages)))
+                here = here + weighted(DOP853.B, stages)
+                wrong = np.abs(weighted(DOP853.E5, stages))
                 error = np.maximum(error, wrong.max(axis=-1))
         beyond = np.any([s != signs[-1] for s in signs], axis=(0, -1)) | ~(error < EXACT)
         return np.where(beyond[..., None], np.nan, here[..., [*map(self.own.index, self.carried)]])
@@ -277,12 +281,6 @@ def integral_map(
         read = {name: flow.read(f) for name, f in functions.items()}
         read = dict(zip(read, canonical([*read.values()], flow.relations), strict=True))
     known = [p.name for p in own.parameters]
-    for name in moving:
-        if name not in known:
-            near = did_you_mean(name, [*read, *known])
-            raise DefinitionError(
-                f"system '{own.name}': '{name}' is neither a proved integral nor a parameter{near}"
-            )
     kept = _needed(flow, [*read.values()])
     relations, formulas, more = _lift(motions, flow, [*read.values()])
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
