@@ -115,14 +115,4 @@ SYSTEM = System(
     references=("VeselovVeselova1988", "DragovicGajicJovanovic1998", "Tsiganov2015"),
 )
 
-RELATIONS = (
-    Relation.of(SYSTEM, "veselova", vanish=(*b, epsilon), note="without weight or field"),
-    Relation.into(
-        SYSTEM,
-        "veselova-in-potential",
-        {w1: -w1, w2: -w2},
-        clock=-1,
-        name="veselova in a potential reversed",
-        note="Time runs back.",
-    ),
-)
+RELATIONS = (Relation.of(SYSTEM, "veselova", vanish=(*b, epsilon), note="without weight or field"),)
