@@ -39,11 +39,11 @@ gamma = sp.symbols("gamma1:4")
 
 rotation = kinematics.Rotation.euler("zyz", phi, theta, psi)
 rates, vertical = rotation.body_rates, tuple(rotation.matrix.row(2))
-turned = rotation.matrix
-contact = R * turned[:, 2]
+attitude = rotation.matrix
+contact = R * attitude[:, 2]
 centre_velocity = R * sp.Matrix([rates[1], -rates[0], 0])
 spin = sp.Matrix([0, v / R, w])
-axis = turned * spin
+axis = attitude * spin
 
 SKETCH = (
     Sketch("seen from the side")
@@ -115,10 +115,10 @@ SYSTEM = System(
         ),
     },
     bodies=(
-        Body(m, turned * centre_velocity, (0, 0, J), rates, force=(0, 0, -m * g), title="skate"),
+        Body(m, attitude * centre_velocity, (0, 0, J), rates, force=(0, 0, -m * g), title="skate"),
     ),
     shapes=(
-        Shape.box((R / 2, R / 20, R / 5), centre=contact, attitude=turned, contact=contact),
+        Shape.box((R / 2, R / 20, R / 5), centre=contact, attitude=attitude, contact=contact),
         Shape.ball(R, role="ground"),
     ),
     references=("NeimarkFufaev1972", "DragovicGajicJovanovic1998"),

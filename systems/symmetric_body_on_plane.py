@@ -41,8 +41,8 @@ SYSTEM = kinematics.BodyOnPlane(u, P, m, (A, C), g).system(
 )
 
 # What is known of special profiles, in the variables there.
-turned = kinematics.Surface.sphere(1, u, v).frame.T * sp.Matrix(sp.symbols("omega1:4"))
-seen = dict(zip(sp.symbols("s tau n"), turned, strict=True))
+spin = kinematics.Surface.sphere(1, u, v).frame.T * sp.Matrix(sp.symbols("omega1:4"))
+along = dict(zip(sp.symbols("s tau n"), spin, strict=True))
 R, l, phi, psi, a, c = sp.symbols("R l phi psi a c")  # noqa: E741
 level = sp.sqrt((a * sp.sin(u)) ** 2 + (c * sp.cos(u)) ** 2)
 ahead = sp.diff(level, u).xreplace({u: sp.pi - theta})  # of the contact, from below the centre
@@ -50,7 +50,7 @@ RELATIONS = (
     Relation.into(
         SYSTEM,
         "routh-sphere",
-        {**{q: q for q in (u, v, theta, x, y)}, **seen, P: R - l * sp.cos(u)},
+        {**{q: q for q in (u, v, theta, x, y)}, **along, P: R - l * sp.cos(u)},
         note="a ball, its mass centre off its centre",
     ),
     Relation.into(
