@@ -42,7 +42,7 @@ gamma, vertical = motion.normal, rotation.matrix.row(2).T
 values = dict(zip(gamma, vertical, strict=True))
 
 
-def potential(normal):
+def potential(normal: sp.Matrix) -> sp.Expr:
     """V of the direction fixed in space, values from the body."""
     return normal.dot(sp.Matrix(b)) + epsilon * normal.dot(motion.tensor * normal) / 2
 

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from voronec.declaration.claims import Equation
 from voronec.declaration.derivatives import derivative
@@ -16,7 +15,13 @@ from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.reading import expression
 from voronec.declaration.shapes import HALF, WHOLE, Shape
 from voronec.declaration.system import System
-from voronec.kinematics.families import Words, constants, join_declarations, moment_words
+from voronec.kinematics.families import (
+    Words,
+    constants,
+    join_declarations,
+    moment_words,
+    shapes_of_known,
+)
 from voronec.kinematics.forms import SurfaceForms, two
 from voronec.kinematics.meanings import contact_meanings, moving_meanings
 from voronec.kinematics.revolution import SPINS, BodyOfRevolution
@@ -105,8 +110,6 @@ class BodyOnPlane:
     @property
     def shapes(self) -> tuple[Shape, ...]:
         """The body and the plane; none of a body whose surface is not known."""
-        if self.support.atoms(AppliedUndef):
-            return ()
         ball, arm = Surface.sphere(1, self.coordinate, V), sp.Matrix(self.rolling.arm)
         turn, place = self.rolling.contact.turn, sp.Matrix([X, Y, 0])
         body = Shape.surface(
@@ -117,7 +120,7 @@ class BodyOnPlane:
             attitude=matrix_product(turn, ball.frame.T),
             contact=place,
         )
-        return body, Shape.plane()
+        return shapes_of_known((body, Shape.plane()))
 
     def system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The system, with ``values`` of its constants, and what is special to it."""
