@@ -33,15 +33,15 @@ u, v, theta = ball.base
 gamma, omega = sp.Matrix(sp.symbols("gamma1:4")), sp.Matrix(sp.symbols("omega1:4"))
 
 arm = -R * gamma - sp.Matrix([0, 0, l])
-carried = m * arm.cross(omega.cross(arm))
-momentum = sp.diag(A, A, C) * omega + carried
+own = sp.diag(A, A, C) * omega
+momentum = own + m * arm.cross(omega.cross(arm))
 normal_rate = gamma.cross(omega)
-turning = momentum.cross(omega) - m * R * normal_rate.cross(omega.cross(arm))
+gyration = momentum.cross(omega) - m * R * normal_rate.cross(omega.cross(arm))
 square = arm.dot(arm)
 rho = sp.sqrt(A * C + m * (A * R**2 * (1 - gamma[2] ** 2) + C * arm[2] ** 2))
 
-declared = ball.declared(potential=m * g * l * gamma[2])
-declared["meanings"] |= {
+declaration = ball.declared(potential=m * g * l * gamma[2])
+declaration["meanings"] |= {
     "Jellett": "(G, r): of the momentum about the contact and the way there from the mass centre",
     "Routh": "the spin about the axis, times the root of a quadratic in gamma3",
 }
@@ -51,7 +51,7 @@ SYSTEM = System(
     title="Routh's sphere",
     description="A heavy ball whose centre of mass lies on its axis of symmetry, off its centre, "
     "rolls without slipping on a plane.",
-    **declared,
+    **declaration,
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
         Parameter(R, 1, positive=True, meaning="radius"),
@@ -61,12 +61,12 @@ SYSTEM = System(
         Parameter(g, 1, meaning="gravity"),
     ),
     equations={
-        "momentum": Equation(momentum, turning + m * g * arm.cross(gamma)),
+        "momentum": Equation(momentum, gyration + m * g * arm.cross(gamma)),
         "normal": Equation(gamma, normal_rate),
     },
     integrals={
         "energy": momentum.dot(omega) / 2 + m * g * l * gamma[2],
-        "Jellett": momentum.dot(arm),
+        "Jellett": own.dot(arm),
         "Routh": rho * omega[2],
     },
     measure=Measure((A + m * square) * rho, (*gamma, *omega)),
@@ -78,7 +78,7 @@ SYSTEM = System(
             outputs=(*ball.fibre, u, v),
             caption="The ball nods while it rolls around.",
         ),
-        "tippe top": Scene(
+        "tippe-top": Scene(
             initial={u: sp.pi - sp.Rational(1, 10), omega[2]: 20},
             parameters={l: "-1/5", g: 10},
             times=(0.0, 5.0),

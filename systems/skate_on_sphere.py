@@ -39,10 +39,11 @@ gamma = sp.symbols("gamma1:4")
 
 rotation = kinematics.Rotation.euler("zyz", phi, theta, psi)
 rates, vertical = rotation.body_rates, tuple(rotation.matrix.row(2))
-contact = R * rotation.matrix[:, 2]
+attitude = rotation.matrix
+contact = R * attitude[:, 2]
 centre_velocity = R * sp.Matrix([rates[1], -rates[0], 0])
 spin = sp.Matrix([0, v / R, w])
-axis = rotation.matrix * spin
+axis = attitude * spin
 
 SKETCH = (
     Sketch("seen from the side")
@@ -76,16 +77,7 @@ SYSTEM = System(
         w: "rate of turning about the normal",
         "turning": "rate of turning about the normal",
         "drift": "rate of turning times speed, less the weight's part across the blade",
-        **dict(
-            zip(
-                map(str, gamma),
-                (
-                    f"the vertical {where}"
-                    for where in ("along the blade", "across the blade", "along the normal")
-                ),
-                strict=True,
-            )
-        ),
+        **kinematics.vector_meanings(map(str, gamma), "the vertical", "the skate"),
     },
     parameters=(
         Parameter(m, 1, positive=True, meaning="mass"),
@@ -123,48 +115,23 @@ SYSTEM = System(
         ),
     },
     bodies=(
-        Body(
-            m,
-            rotation.matrix * centre_velocity,
-            (0, 0, J),
-            rates,
-            force=(0, 0, -m * g),
-            title="skate",
-        ),
+        Body(m, attitude * centre_velocity, (0, 0, J), rates, force=(0, 0, -m * g), title="skate"),
     ),
     shapes=(
-        Shape.box(
-            (R / 2, R / 20, R / 10),
-            centre=contact * sp.Rational(21, 20),
-            attitude=rotation.matrix,
-            contact=contact,
-        ),
+        Shape.box((R / 2, R / 20, R / 5), centre=contact, attitude=attitude, contact=contact),
         Shape.ball(R, role="ground"),
     ),
     references=("NeimarkFufaev1972", "DragovicGajicJovanovic1998"),
 )
 
+zeros = dict.fromkeys(sp.symbols("b1 b3 c1 c2"), 0)
+moments, along = (m * R**2, J, m * R**2), (gamma[1], gamma[2], gamma[0], v / R, w)
 RELATIONS = (
     Relation.of(
         SYSTEM,
         "suslov-in-potential",
-        {
-            "I1": m * R**2,
-            "I2": J,
-            "I3": m * R**2,
-            "b1": 0,
-            "b2": m * g * R,
-            "b3": 0,
-            "c1": 0,
-            "c2": 0,
-        },
-        state={
-            "gamma1": gamma[1],
-            "gamma2": gamma[2],
-            "gamma3": gamma[0],
-            "omega1": v / R,
-            "omega2": w,
-        },
+        {**dict(zip(sp.symbols("I1:4"), moments, strict=True)), **zeros, "b2": m * g * R},
+        state=dict(zip((*gamma, *sp.symbols("omega1:3")), along, strict=True)),
         note="The blade is the forbidden axis.",
     ),
 )

@@ -40,17 +40,18 @@ T1, T2 = sp.symbols("T1 T2")
 up = sp.Matrix([0, 0, 1])
 
 rotation = kinematics.Rotation.euler("zxz", phi, theta, psi)
-hanging = sp.Matrix([sp.sin(alpha), -sp.cos(alpha) * sp.sin(beta), -sp.cos(alpha) * sp.cos(beta)])
-swing = hanging.diff(alpha) * velocity(alpha) + hanging.diff(beta) * velocity(beta)
-rolling = sp.Matrix([velocity(x), velocity(y), 0])
-bob = rolling + l * swing
+direction = sp.Matrix([sp.sin(alpha), -sp.cos(alpha) * sp.sin(beta), -sp.cos(alpha) * sp.cos(beta)])
+swing = direction.diff(alpha) * velocity(alpha) + direction.diff(beta) * velocity(beta)
+centre_velocity = sp.Matrix([velocity(x), velocity(y), 0])
+bob_velocity = centre_velocity + l * swing
 kinetic = (
-    kinematics.kinetic_energy(M, rolling, (J, J, J), rotation.space_rates) + m * bob.dot(bob) / 2
+    kinematics.kinetic_energy(M, centre_velocity, (J, J, J), rotation.space_rates)
+    + m * bob_velocity.dot(bob_velocity) / 2
 )
-potential = m * g * l * hanging[2]
+potential = m * g * l * direction[2]
 torque = sp.Matrix([T1, T2, 0])
-turned = [torque.dot(hanging.cross(hanging.diff(q))) for q in (alpha, beta)]
-momentum = (M + J / R**2) * rolling + m * bob
+work = [torque.dot(direction.cross(direction.diff(q))) for q in (alpha, beta)]
+momentum = (M + J / R**2) * centre_velocity + m * bob_velocity
 centre = sp.Matrix([x, y, R])
 
 SKETCH = (
@@ -92,7 +93,7 @@ SYSTEM = System(
         velocity(y) + R * rotation.space_rates[0],
     ),
     inputs=(T1, T2),
-    forces={omega[0]: -T1, omega[1]: -T2, a: turned[0], b: turned[1]},
+    forces={omega[0]: -T1, omega[1]: -T2, a: work[0], b: work[1]},
     meanings={
         **kinematics.place_meanings((x, y), "the contact on the plane"),
         **kinematics.euler_meanings((phi, theta, psi)),
@@ -127,7 +128,7 @@ SYSTEM = System(
                 "energy": kinetic + potential,
                 "momentum, x": momentum[0],
                 "momentum, y": momentum[1],
-                "area": hanging[0] * swing[1] - hanging[1] * swing[0],
+                "area": direction[0] * swing[1] - direction[1] * swing[0],
             },
             note="The pendulum swings, and the shell gives way.",
         ),
@@ -150,7 +151,7 @@ SYSTEM = System(
     },
     shapes=(
         Shape.ball(R, centre=centre, attitude=rotation.matrix, contact=(x, y, 0)),
-        Shape.ball(R / 6, centre=centre + l * hanging),
+        Shape.ball(R / 6, centre=centre + l * direction),
         Shape.plane(),
     ),
     references=("BorisovMamaev2012",),

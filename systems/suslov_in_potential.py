@@ -67,12 +67,8 @@ SYSTEM = System(
         Parameter(I1, 1, positive=True, meaning="moment about the first axis"),
         Parameter(I2, "3/2", positive=True, meaning="moment about the second axis"),
         Parameter(I3, 2, positive=True, meaning="moment about the forbidden axis"),
-        *Parameter.each(
-            b, ("1/2", "1/5", 1), meaning="weight times the centre of mass, along an axis"
-        ),
-        *Parameter.each(
-            c, (0, 0), meaning="strength of a field of the second degree along an axis"
-        ),
+        *Parameter.each(b, ("1/2", "1/5", 1), meaning="weight times the centre of mass"),
+        *Parameter.each(c, (0, 0), meaning="strength of a field of the second degree"),
     ),
     invariants=dict(zip(map(str, gamma), vertical, strict=True)),
     integrals={"energy": kinetic + potential},
@@ -115,13 +111,6 @@ SYSTEM = System(
             outputs=(phi, theta, psi, omega1, omega2),
             caption="A heavy body that cannot turn about its third axis.",
         ),
-        "Clebsch-Tisserand": Scene(
-            initial={theta: 1, omega1: 1, omega2: "-3/5"},
-            parameters={b[0]: 0, b[1]: 0, b[2]: 0, c[0]: 1, c[1]: 2},
-            times=(0.0, 30.0),
-            outputs=(phi, theta, psi, omega1, omega2),
-            caption="Without weight, in a field of the second degree, two energies are constant.",
-        ),
     },
     bodies=(Body(0, inertia=moments, omega=rates, torque=torque),),
     shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
@@ -131,13 +120,5 @@ SYSTEM = System(
 RELATIONS = (
     Relation.of(
         SYSTEM, "suslov", {"I13": 0, "I23": 0}, vanish=(*b, *c), note="without weight or field"
-    ),
-    Relation.into(
-        SYSTEM,
-        "suslov-in-potential",
-        {omega1: -omega1, omega2: -omega2},
-        clock=-1,
-        name="suslov in a potential reversed",
-        note="Time runs back.",
     ),
 )

@@ -39,17 +39,17 @@ rotation = Rotation.euler("zxz", phi, theta, psi)
 motion = RubberMotion(moments)
 w1, w2 = motion.velocities
 gamma, vertical = motion.normal, rotation.matrix.row(2).T
-seen = dict(zip(gamma, vertical, strict=True))
+values = dict(zip(gamma, vertical, strict=True))
 
 
-def potential(normal):
-    """V of the direction fixed in space, seen from the body."""
+def potential(normal: sp.Matrix) -> sp.Expr:
+    """V of the direction fixed in space, values from the body."""
     return normal.dot(sp.Matrix(b)) + epsilon * normal.dot(motion.tensor * normal) / 2
 
 
 torque = gamma.cross(sp.Matrix(b) + epsilon * motion.tensor * gamma)
-turned = sp.Matrix(motion.torque) + torque
-falling = turned.dot(motion.tensor.inv() * gamma)
+momentum_rate = sp.Matrix(motion.torque) + torque
+across = momentum_rate.dot(motion.tensor.inv() * gamma)
 
 SYSTEM = System(
     name="veselova-in-potential",
@@ -71,7 +71,7 @@ SYSTEM = System(
     ),
     invariants=dict(zip(map(str, gamma), vertical, strict=True)),
     equations={
-        "momentum": Equation(motion.momentum, turned - falling / motion.form * gamma),
+        "momentum": Equation(motion.momentum, momentum_rate - across / motion.form * gamma),
         "normal": motion.equations["normal"],
     },
     integrals={"energy": motion.energy + potential(gamma)},
@@ -109,20 +109,10 @@ SYSTEM = System(
         ),
     },
     bodies=(
-        Body(0, inertia=moments, omega=rotation.body_rates, torque=tuple(torque.xreplace(seen))),
+        Body(0, inertia=moments, omega=rotation.body_rates, torque=tuple(torque.xreplace(values))),
     ),
     shapes=(Shape.box((1, 0.7, 0.4), attitude=rotation.matrix),),
     references=("VeselovVeselova1988", "DragovicGajicJovanovic1998", "Tsiganov2015"),
 )
 
-RELATIONS = (
-    Relation.of(SYSTEM, "veselova", vanish=(*b, epsilon), note="without weight or field"),
-    Relation.into(
-        SYSTEM,
-        "veselova-in-potential",
-        {w1: -w1, w2: -w2},
-        clock=-1,
-        name="veselova in a potential reversed",
-        note="Time runs back.",
-    ),
-)
+RELATIONS = (Relation.of(SYSTEM, "veselova", vanish=(*b, epsilon), note="without weight or field"),)

@@ -198,6 +198,16 @@ def test_an_angle_that_is_read_off_loses_no_turn_between_two_points(method: str)
     assert run["q"][-1] == pytest.approx(4 * (ends[0] - ends[1]), abs=1e-7)
 
 
+@pytest.mark.parametrize("tilt", ["1/2", "-1/2"])
+def test_an_angle_whose_sine_is_known_by_a_root_starts_where_it_was_told(tilt: str) -> None:
+    """Of Euler's angles zyz the vertical is (-sin theta cos psi, sin theta sin psi, cos theta)."""
+    pytest.importorskip("heyoka")
+    run = vo.prepare(vo.load("skate-on-sphere"), outputs=("theta", "phi", "psi"), method="heyoka")
+    found = run.run(initial={"theta": tilt, "v": "1/5", "w": 3}, times=np.linspace(0, 2, 1001))
+    assert abs(found["theta"][0] - float(sp.Rational(tilt))) < 1e-15
+    assert np.ptp(found["theta"]) < 0.2
+
+
 @pytest.mark.parametrize("tilt", [1e-9, 1e-7, 1e-5])
 def test_reactions_next_to_a_pole(tilt: float) -> None:
     """There inertia and forces along the angles cancel."""

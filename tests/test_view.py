@@ -25,6 +25,7 @@ SHAPELESS = {
     *("ball-on-sphere-in-rn", "chaplygin-ball-in-rn", "rubber-ball-in-rn"),
     *("rubber-ball-on-sphere-in-rn", "veselova-in-rn"),  # in four dimensions
     *("rolling-body", "gyroscopic-rolling-body", "symmetric-body-on-sphere"),  # of any surface
+    *("symmetric-body-on-plane", "ball-on-surface-of-revolution"),
 }
 SHAPED = "gyroscopic-ball-on-sphere", "rubber-ball-on-plane"
 
@@ -176,13 +177,14 @@ def test_what_touches_rests_on_the_ground_there(name: str) -> None:
     """Bodies of round shape do not slip where they are drawn to touch, and blades not sideways."""
     page, step = page_at_start(name), 1e-6
     rates, extras = compile_program(page.program)
-    values = [page.trajectory.parameters[str(p)] for p in page.program.parameters]
-    state = page.states[0]
-    flow = np.array(rates(0.0, list(state), values), dtype=float)
+    numbers = [page.trajectory.parameters[str(p)] for p in page.program.parameters]
+    state, inputs = page.states[0], page.program.inputs
+    values = (numbers, [0.0] * len(inputs)) if inputs else (numbers,)
+    flow = np.array(rates(0.0, list(state), *values), dtype=float)
 
     def poses(time: float) -> np.ndarray:
         count = 15 * len(page.system.shapes)
-        there = extras(time, list(state + time * flow), values)[:count]
+        there = extras(time, list(state + time * flow), *values)[:count]
         return np.array(there, dtype=float).reshape(-1, 15)
 
     here, change = poses(0.0), (poses(step) - poses(-step)) / (2 * step)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from voronec.kinematics.bodies import point_velocity as point_velocity
     from voronec.kinematics.bodies import uniform_field_energy as uniform_field_energy
     from voronec.kinematics.bodies_in_rn import BodyInRn as BodyInRn
+    from voronec.kinematics.body_on_plane import BodyOnPlane as BodyOnPlane
     from voronec.kinematics.carried_contact import CarriedContact as CarriedContact
     from voronec.kinematics.convex import ConvexBody as ConvexBody
     from voronec.kinematics.ellipsoids import RollingEllipsoid as RollingEllipsoid
@@ -68,6 +69,7 @@ _HOME = {
         "balls": "RollingBall contact_momentum",
         "bodies": "axial_rotor kinetic_energy point_velocity uniform_field_energy",
         "bodies_in_rn": "BodyInRn",
+        "body_on_plane": "BodyOnPlane",
         "carried_contact": "CarriedContact",
         "convex": "ConvexBody",
         "ellipsoids": "RollingEllipsoid",

@@ -18,7 +18,7 @@ from voronec.declaration.reading import expression
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Point
 from voronec.declaration.system import System
-from voronec.kinematics.families import Words, constants, join_declarations
+from voronec.kinematics.families import Words, constants, join_declarations, shapes_of_known
 from voronec.kinematics.forms import two
 from voronec.kinematics.meanings import euler_meanings
 from voronec.kinematics.rotations import Rotation
@@ -152,6 +152,7 @@ class BallOnRevolution:
         """
         u, words = self.coordinate, self._words
         bounds = None if ranges is None else (ranges, (0, 2 * sp.pi))
+        ground = Shape.surface((u, PHI), self.contact, bounds, role="ground")
         ball = Shape.ball(
             self.radius, centre=self.centre, contact=self.contact, attitude=ATTITUDE.matrix
         )
@@ -173,7 +174,7 @@ class BallOnRevolution:
             "equations": {"spin and moment": self.equation},
             "measure": self.length**2 * self.profile[0] ** 2 * sp.sin(ANGLES[1]),
             "essential": (u, *RATES),
-            "shapes": (ball, Shape.surface((u, PHI), self.contact, bounds, role="ground")),
+            "shapes": shapes_of_known((ball, ground)),
         }
         return join_declarations(own, declared)
 

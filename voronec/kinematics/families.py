@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import as_expression
 from voronec.declaration.reading import fixed_mapping
 from voronec.declaration.scene import Parameter
+from voronec.declaration.shapes import Shape
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError, quote
 
@@ -72,6 +74,14 @@ def rotor_words(rotor: Sequence[Any]) -> Words:
 def rolling_ratio(fixed: Any, radius: Any) -> sp.Expr:
     """epsilon = R1/(R1 + R2) of a ball on a sphere, and 1 on a plane, where ``fixed`` is None."""
     return sp.Integer(1) if fixed is None else as_expression(fixed / (fixed + radius))
+
+
+def shapes_of_known(shapes: Sequence[Shape]) -> tuple[Shape, ...]:
+    """``shapes``, or none where they hold unknown functions: those cannot be drawn."""
+    exprs = [
+        e for s in shapes for e in (*s.expressions, *(x for p in s.patches for x in p.position))
+    ]
+    return () if any(as_expression(e).has(AppliedUndef) for e in exprs) else tuple(shapes)
 
 
 def join_declarations(own: Mapping[str, Any], more: Mapping[str, Any]) -> System:

@@ -112,8 +112,9 @@ def _next(
                         continue
                     factor = _factor(cosine, sign * sine, q)
                     root = se.sqrt(a**2 + b**2)
+                    side = b if b.args else sign * b  # a root has no sign of its own
                     angle = AngleOutput(
-                        q, a, sign * b, (cosine, sign * sine), (bool(a.args), bool(b.args))
+                        q, a, side, (cosine, sign * sine), (bool(a.args), bool(b.args))
                     )  # fmt: skip
                     return angle, (None if factor is None else root), factor
     return None
