@@ -16,6 +16,7 @@ def system(lagrangian, *base, **more):
     return vo.System("cut", vo.Fibration(base=base), lagrangian=lagrangian, **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["heyoka", "scipy", "flint"])
 def test_a_potential_that_jumps_ends_the_motion(method):
     step = system(Dx**2 / 2 - sp.atan(1 / (x - 2)), x)

@@ -245,6 +245,7 @@ def test_times_that_start_late_count_from_there(ball):
     assert late["v"][-1] == vo.closed_form(ball).at([1.0])["v"][0]
 
 
+@pytest.mark.slow
 def test_a_place_on_a_plane_follows(ball):
     zhukovsky = vo.load("zhukovsky-ball")
     names = [str(q) for q in (*zhukovsky.coordinates, *zhukovsky.velocities)]

@@ -115,6 +115,7 @@ def test_a_run_goes_backwards_and_agrees_with_taylor_series(method: str) -> None
     assert abs(back["x"][-1] - 1) < 1e-12 and abs(back["xdot"][-1] - 0.3) < 1e-11
 
 
+@pytest.mark.slow
 @both
 def test_an_event_ends_a_run_and_a_table_changes_it(method: str) -> None:
     stop = (vo.Event(x, "middle", stop=True), EVENTS[1])

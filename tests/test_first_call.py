@@ -60,6 +60,7 @@ def test_where_heyoka_is_installed_it_integrates() -> None:
     assert vo.integrate(vo.load("ball-on-sphere"), times=10, tol=1e-11).cost.method == "heyoka"
 
 
+@pytest.mark.slow
 def test_a_short_run_of_a_heavy_program_is_not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("heyoka")
     monkeypatch.setattr(methods, "HEAVY", 1.0)

@@ -182,6 +182,7 @@ def test_rounding_beside_rounding_is_no_drift(method: str, unit: int) -> None:
         assert seen.drift["shade"] > 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["scipy", "closed-form"])
 @pytest.mark.parametrize("tol", [1e-13, 1e-7])
 def test_momenta_that_vanish_throughout_do_not_drift(method: str, tol: float) -> None:

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -82,6 +83,12 @@ def test_every_folder_of_code_is_packaged() -> None:
     assert found == set(setup["packages"])
 
 
+@cache
+def nodes(text: str) -> tuple[ast.AST, ...]:
+    """The syntax of a module, for all tests that look at it."""
+    return tuple(ast.walk(ast.parse(text)))
+
+
 PRIVATE = re.compile(r"(?:def |class |^ *|self[.])(_[A-Za-z]\w*)(?<!_)\b", re.MULTILINE)
 """Where private names are defined; `_repr_html_` and its like are protocols of others."""
 
@@ -93,8 +100,8 @@ def private_names(paths: Iterable[Path]) -> set[str]:
 def reaches(text: str, names: set[str]) -> Iterator[str]:
     """Those of private names that a test imports, asks of an object, or writes as a string; it may
     ask for what its own classes define."""
-    module, own = ast.parse(text), set(re.findall(r"self[.](_\w+) =|^ +def (_\w+)", text, re.M))
-    for node in ast.walk(module):
+    own = set(re.findall(r"self[.](_\w+) =|^ +def (_\w+)", text, re.M))
+    for node in nodes(text):
         found: list[str] = []
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("voronec."):
             found = [*node.module.split("."), *(alias.name for alias in node.names)]
@@ -135,8 +142,8 @@ def test_an_underscore_says_what_is_private() -> None:
     what a module keeps to itself, and none takes such a name from another."""
     listing, taken = set(), set()
     for path in (ROOT / "voronec").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+        for node in nodes(path.read_text("utf-8")):
+            if isinstance(node, ast.Name) and node.id == "__all__":
                 listing.add(path.name)
             elif isinstance(node, ast.ImportFrom):
                 taken |= {a.name for a in node.names if re.match("_[a-z]", a.name, re.IGNORECASE)}
@@ -152,7 +159,7 @@ def inside(text: str) -> set[str]:
     """What a test imports, or names in a string to replace it, that is no public name and not in
     the ``__all__`` of a room, or of a folder in it."""
     found = set()
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes(text):
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "voronec":
             found |= {f"{node.module}.{a.name}" for a in node.names if not _at_front(node, a.name)}
         elif isinstance(node, ast.Import):

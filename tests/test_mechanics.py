@@ -350,6 +350,7 @@ def test_a_connector_without_mass_adds_no_coordinates() -> None:
     assert system.coordinates == (Q,)
 
 
+@pytest.mark.slow
 def test_axes_turned_by_exponentials_of_speeds_cost_nothing() -> None:
     q, u = me.dynamicsymbols("q1:4"), me.dynamicsymbols("u1:4")
     found = []

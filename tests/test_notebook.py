@@ -94,6 +94,7 @@ def test_tables_of_a_notebook_say_what_was_found(results: dict[str, Any]) -> Non
             assert word in table.replace("&#x27;", "'"), (name, word, table)
 
 
+@pytest.mark.slow
 def test_a_closed_form_is_the_same_where_it_arrives(results: dict[str, Any]) -> None:
     form = results["closed form"]
     found = pickle.loads(pickle.dumps(form))

@@ -183,6 +183,7 @@ def test_lines_of_the_catalogue_fit(name: str) -> None:
         assert line.count("(") == line.count(")")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE.split())
 def test_names_are_defined_in_the_order_of_reading_and_begin_without_a_minus(name: str) -> None:
     form = readable(vo.derive(vo.load(name)))

@@ -153,6 +153,7 @@ def test_another_start_and_other_parameters_as_sliders_give_them() -> None:
     assert not np.allclose(motion["states"], page.states, atol=1e-2)
 
 
+@pytest.mark.slow
 @needs_node
 def test_the_contact_lies_on_both_bodies() -> None:
     """The ball of radius R2 touches the sphere of radius R1 where the page says so."""
@@ -172,6 +173,7 @@ def test_the_contact_lies_on_both_bodies() -> None:
     assert lengths[0] == pytest.approx(lengths[1], rel=3e-4)
 
 
+@pytest.mark.slow
 @every
 def test_what_touches_rests_on_the_ground_there(name: str) -> None:
     """Bodies of round shape do not slip where they are drawn to touch, and blades not sideways."""
@@ -207,6 +209,7 @@ def test_what_touches_rests_on_the_ground_there(name: str) -> None:
         assert np.abs(slip[1] if blade else slip).max() < 1e-6, (name, slip)
 
 
+@pytest.mark.slow
 @needs_node
 def test_the_quartic_is_the_square_of_the_rate() -> None:
     page = page_of("demchenko")

@@ -160,6 +160,7 @@ def test_the_page_may_not_ask_a_network(tab: browser.Tab, tmp_path: Path) -> Non
     assert any("Content Security Policy" in str(c) for c in complaints(tab))
 
 
+@pytest.mark.slow
 def test_sliders_integrate_in_the_page(tab: browser.Tab, tmp_path: Path) -> None:
     """A start and a parameter dragged with the mouse: the motion is Python's from there."""
     system = vo.load(BALL)
@@ -247,6 +248,7 @@ def test_mouse_and_fingers(tab: browser.Tab, tmp_path: Path) -> None:
     assert not complaints(tab)
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_it(tab: browser.Tab, tmp_path: Path) -> None:
     """In the frame of a notebook's cell, which may run scripts and nothing else."""
     file = tmp_path / "cell.html"

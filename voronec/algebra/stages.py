@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count, islice
 from typing import Any
 
@@ -197,8 +197,8 @@ class Cyclic:
 
     def add(self, symbol: Any, expr: Any) -> None:
         """Take note of a new stage."""
-        self.support[symbol] = self.free_symbols(expr)
-        for point, values in zip(self._points, self._values([expr]), strict=True):
+        self.support[symbol] = support = self.free_symbols(expr)
+        for point, values in zip(self._points, self._values([expr], support), strict=True):
             point[symbol] = values[0]
 
     def free_symbols(self, expr: Any) -> frozenset[Any]:
@@ -211,7 +211,7 @@ class Cyclic:
     def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
         """Coordinates that occur in the expression and are proved to cancel."""
         support = self.free_symbols(expr)
-        (there,), *moved = self._values([expr])
+        (there,), *moved = self._values([expr], support)
         for q, (value,) in zip(self.coordinates, moved, strict=True):
             if q not in support or self._failures[q] >= PATIENCE:
                 continue
@@ -225,7 +225,7 @@ class Cyclic:
 
     def vanishes(self, expr: Any, stages: Stages) -> bool:
         """Whether a sum is proved to be zero."""
-        values, *_ = self._values(expr.args)
+        values, *_ = self._values(expr.args, ())
         small = abs(sum(values)) <= NEAR * abs(max(values, key=abs))
         if not small or self._lost >= PATIENCE:
             return False
@@ -291,16 +291,18 @@ class Cyclic:
                 terms.append(expr.diff(w) * self._slopes[w, q])
         return se.expand(se.Add(*terms))
 
-    def _values(self, exprs: Sequence[Any]) -> list[list[Any]]:
-        """Balls around expressions at a point, then with each coordinate moved alone; infinite ones
-        where they are undefined."""
+    def _values(self, exprs: Sequence[Any], support: Collection[Any]) -> list[list[Any]]:
+        """Balls around expressions of a support at a point, then with each coordinate moved alone;
+        infinite ones where they are undefined."""
         tape = Tape(exprs)
         for atom in tape.atoms:
             if atom not in self._points[0]:
                 centre, step = flint.arb(self._source.uniform(0.3, 0.9)), flint.arb(0.173)
                 for point, q in zip(self._points, (None, *self.coordinates), strict=True):
                     point[atom] = centre + step * (q in atom.free_symbols)
-        return [tape.arb(point, GENERIC) for point in self._points]
+        here = tape.arb(self._points[0], GENERIC)
+        moved = zip(self.coordinates, self._points[1:], strict=True)
+        return [here, *(tape.arb(at, GENERIC) if q in support else here for q, at in moved)]
 
 
 def _is_zero(expr: Any, work: int) -> bool:
