@@ -150,10 +150,9 @@ def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins:
 def test_a_film_by_the_ffmpeg_of_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the machine has none; the frames reach it, and the file that it writes is the film."""
     program = tmp_path / "ffmpeg"
-    program.write_text('#!/bin/sh\nfor last; do :; done\nwc -c > "$last"\n')
+    program.write_text('#!/bin/sh\nfor last; do :; done\n/usr/bin/wc -c > "$last"\n')
     program.chmod(0o700)
-    monkeypatch.setenv("PATH", "/usr/bin:/bin")
-    monkeypatch.setattr("voronec.motion.pictures.scene_film.which", lambda _: None)
+    monkeypatch.setenv("PATH", str(tmp_path / "nowhere"))
     package = SimpleNamespace(get_ffmpeg_exe=lambda: str(program))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", package)
     motion = vo.integrate(vo.load("snakeboard"), times=np.linspace(0, 1, 3))
