@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import voronec as vo
-from voronec.motion.pictures.scene_film import ShapesInMotion
 
 DISC = vo.Relation(
     "vertical-disc",
@@ -154,10 +152,9 @@ def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins:
 def test_a_film_by_the_ffmpeg_of_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the machine has none; the frames reach it, and the file that it writes is the film."""
     program = tmp_path / "ffmpeg"
-    program.write_text('#!/bin/sh\nfor last; do :; done\nwc -c > "$last"\n')
+    program.write_text('#!/bin/sh\nfor last; do :; done\n/usr/bin/wc -c > "$last"\n')
     program.chmod(0o700)
-    monkeypatch.setenv("PATH", "/usr/bin:/bin")
-    monkeypatch.setattr("voronec.motion.pictures.scene_film.which", lambda _: None)
+    monkeypatch.setenv("PATH", str(tmp_path / "nowhere"))
     package = SimpleNamespace(get_ffmpeg_exe=lambda: str(program))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", package)
     motion = vo.integrate(vo.load("snakeboard"), times=np.linspace(0, 1, 3))
@@ -166,26 +163,6 @@ def test_a_film_by_the_ffmpeg_of_a_package(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(vo.DefinitionError, match=r"install 'voronec\[film\]', or write FILE\.gif"):
         motion.animate(tmp_path / "none.mp4")
-
-
-def test_shapes_of_one_line_stand_on_the_ground() -> None:
-    """Where blade, cart and rod are, in their own axes; a height over the plane is a surface."""
-    x, y = sp.symbols("x y")
-    shapes = {
-        vo.Shape.blade(4): ((-2, -0.05, 0), (2, 0.05, 1)),
-        vo.Shape.cart(8): ((-4, -2.1, 0), (4, 2.1, 4)),
-        vo.Shape.rod(4): ((-2, -0.1, -0.1), (2, 0.1, 0.1)),
-        vo.Shape.surface((x, y), x * y, ((-1, 1), (0, 2))): ((-1, 0, -2), (1, 2, 2)),
-    }
-    system = vo.System(
-        name="things", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2 / 2,
-        shapes=tuple(shapes),
-    )  # fmt: skip
-    shown = ShapesInMotion(vo.integrate(system, initial={x: 1}, times=[0, 1]))
-    for patches, (low, high) in zip(shown.finite_patches, shapes.values(), strict=True):
-        points = np.concatenate([quads for quads, _ in patches]).reshape(-1, 3)
-        np.testing.assert_allclose(points.min(axis=0), low, atol=1e-12)
-        np.testing.assert_allclose(points.max(axis=0), high, atol=1e-12)
 
 
 def _same(one: Any, other: Any) -> None:

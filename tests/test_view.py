@@ -17,6 +17,7 @@ import sympy as sp
 import voronec as vo
 from voronec.cli import main
 from voronec.equations.program import compile_program
+from voronec.motion.pictures.scene_film import ShapesInMotion
 from voronec.motion.viewer.page import LARGEST, Page
 
 NODE = shutil.which("node")
@@ -268,6 +269,26 @@ def test_a_title_that_holds_the_marks_of_the_page_is_shown_as_it_is() -> None:
     text = Page(vo.integrate(system, times=1.0, initial={vo.velocity(x): 1})).text
     assert f"<title>{marks}</title>" in text and text.count("</script>") == 1
     assert text.count(marks) == 2, "in the head, and in what the script shows"
+
+
+def test_shapes_of_one_line_stand_on_the_ground() -> None:
+    """Where blade, cart and rod are, in their own axes; a height over the plane is a surface."""
+    x, y = sp.symbols("x y")
+    shapes = {
+        vo.Shape.blade(4): ((-2, -0.05, 0), (2, 0.05, 1)),
+        vo.Shape.cart(8): ((-4, -2.1, 0), (4, 2.1, 4)),
+        vo.Shape.rod(4): ((-2, -0.1, -0.1), (2, 0.1, 0.1)),
+        vo.Shape.surface((x, y), x * y, ((-1, 1), (0, 2))): ((-1, 0, -2), (1, 2, 2)),
+    }
+    system = vo.System(
+        name="things", fibration=vo.Fibration((x,)), lagrangian=vo.velocity(x) ** 2 / 2,
+        shapes=tuple(shapes),
+    )  # fmt: skip
+    shown = ShapesInMotion(vo.integrate(system, initial={x: 1}, times=[0, 1]))
+    for patches, (low, high) in zip(shown.finite_patches, shapes.values(), strict=True):
+        points = np.concatenate([quads for quads, _ in patches]).reshape(-1, 3)
+        np.testing.assert_allclose(points.min(axis=0), low, atol=1e-12)
+        np.testing.assert_allclose(points.max(axis=0), high, atol=1e-12)
 
 
 def test_what_has_no_page_is_refused_in_one_line(

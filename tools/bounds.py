@@ -1,22 +1,24 @@
-"""The fast tests with the lowest and with the newest versions of what the package rests on.
+"""The fast tests with other versions: of what the package rests on, or of Python.
 
-python tools/bounds.py [lowest] [newest] [-- WORDS FOR PYTEST ...]
+python tools/bounds.py [lowest] [newest] [3.11] [3.12] [3.13] [-- WORDS FOR PYTEST ...]
 
-For each end (both by default) a virtual environment is made in a temporary folder; it gets the
-lower bounds of pyproject.toml exactly, or the newest versions that an index has, of the
-dependencies and of the extras that tests touch, and the fast tests run in it.  Status 1 says that
-an end could not be installed or failed a test.  Continuous integration tests what stands between:
-the versions of constraints.txt.
+For each (the first two by default) a virtual environment is made in a temporary folder; it gets
+the lower bounds of pyproject.toml exactly, or the newest versions that an index has, of the
+dependencies and of the extras that tests touch, and the fast tests run in it.  A version of Python,
+whose interpreter is at hand under a name such as ``python3.12``, gets those of constraints.txt,
+which continuous integration tests with one Python.  Status 1 says that one of them could not be
+installed or failed a test.
 """
 
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
 import tomllib
-import venv
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -38,11 +40,16 @@ def requirements(end: str, extras: Sequence[str] = EXTRAS) -> list[str]:
 
 def _run(end: str, folder: Path, words: Sequence[str]) -> bool:
     """Whether the fast tests pass at an end, in an environment made in the folder."""
-    venv.create(folder, with_pip=True)
+    interpreter = sys.executable if end in ENDS else f"python{end}"
+    making = [interpreter, "-m", "venv", str(folder)]
+    if shutil.which(interpreter) is None or subprocess.run(making).returncode:
+        print(f"{interpreter} is not at hand")
+        return False
+    versions = [] if end in ENDS else ["-c", "constraints.txt"]
     python = str(folder / ("Scripts" if os.name == "nt" else "bin") / "python")
     pip = [python, "-m", "pip", "--disable-pip-version-check"]
     steps = [
-        [*pip, "install", "-q", *requirements(end)],
+        [*pip, "install", "-q", *versions, *requirements(end)],
         [*pip, "install", "-q", "--no-deps", "--no-build-isolation", "-e", str(ROOT)],
         [*pip, "freeze", "--exclude-editable"],
         [python, "-m", "pytest", *FAST, *words],
@@ -57,7 +64,7 @@ def main() -> int:
     given = sys.argv[1:]
     cut = given.index("--") if "--" in given else len(given)
     ends, words = given[:cut] or [*ENDS], given[cut + 1 :]
-    if not {*ends} <= {*ENDS}:
+    if not all(end in ENDS or re.fullmatch(r"3\.\d+", end) for end in ends):
         print((__doc__ or "").strip(), file=sys.stderr)
         return 2
     passed = {}

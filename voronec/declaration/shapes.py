@@ -32,9 +32,9 @@ class Patch:
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", _three(self.position, "the position of a shape"))
 
-    def placed(self, place: Callable[..., tuple[Any, ...]]) -> Patch:
+    def place(self, where: Callable[..., tuple[Any, ...]]) -> Patch:
         """The piece with its three functions taken elsewhere."""
-        return Patch(place(*self.position), self.ranges)
+        return Patch(where(*self.position), self.ranges)
 
 
 @dataclass(frozen=True)
@@ -144,14 +144,14 @@ class Shape:
     def rod(cls, length: Any, radius: Any = None, **placed: Any) -> Shape:
         """A rod along its first axis, about its middle; by default twenty times as long as wide."""
         round_ = cls.disc(length / 40 if radius is None else radius, length).patches
-        return cls(tuple(p.placed(lambda x, y, z: (z, x, y)) for p in round_), **placed)
+        return cls(tuple(p.place(lambda x, y, z: (z, x, y)) for p in round_), **placed)
 
     @classmethod
     def blade(cls, length: Any, **placed: Any) -> Shape:
         """A blade along its first axis, as of a skate, that stands on its centre."""
         upright = cls.box((length, length / 40, length / 4)).patches
         return cls(
-            tuple(p.placed(lambda x, y, z: (x, y, z + length / 8)) for p in upright), **placed
+            tuple(p.place(lambda x, y, z: (x, y, z + length / 8)) for p in upright), **placed
         )
 
     @classmethod
@@ -159,13 +159,13 @@ class Shape:
         """A cart that drives along its first axis, its centre on the ground between four wheels; it
         is half as wide as long, and its top is half as high as it is long."""
         radius, top = length / 8, cls.box((length, length / 2, length / 4)).patches
-        parts = [p.placed(lambda x, y, z: (x, y, z + 3 * radius)) for p in top]
+        parts = [p.place(lambda x, y, z: (x, y, z + 3 * radius)) for p in top]
         for side in UNIT:
             for end in UNIT:
                 at = (end * length / 3, side * length / 4)
                 round_ = cls.disc(radius).patches
                 parts += [
-                    p.placed(lambda x, y, z, at=at: (x + at[0], z + at[1], y + radius))
+                    p.place(lambda x, y, z, at=at: (x + at[0], z + at[1], y + radius))
                     for p in round_
                 ]
         return cls(tuple(parts), **placed)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from importlib.resources import files as resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from voronec.declaration.catalogue import load
 from voronec.motion.pictures.scene_film import ShapesInMotion, film
@@ -26,7 +27,7 @@ MOTIONS = (
     ("snakeboard", "default", "wheels"), ("bicycle", "default", "wheels"),
 )  # fmt: skip
 """Systems, scenes and kinds, in the order of the list."""
-STARTS = {
+STARTS: dict[tuple[str, str], dict[str, Any]] = {
     ("demchenko", "default"): {"n": 3},
     ("rattleback", "default"): {"theta": "1/20", "omega1": "1/10", "omega3": "-7/10"},
 }
