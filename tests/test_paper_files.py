@@ -110,6 +110,12 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         ),
         (r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-(J+ma^2)\omega^2$.", "not read"),
         (r"Then $mv^2+(J+ma)\omega^2-2C=0$.", "unknown letters"),
+        (
+            r"With $q=(x,y,\phi)\in\mathbb R^2\times S^1$ "
+            r"it is $\dot q=(v\cos\phi,v\sin\phi,\omega)$.",
+            "proved",
+        ),
+        (r"The space is $q\in Q=S^1\times\mathbb R^2$.", "unknown letters"),
         (r"At rest one has $\dot v=0$.", "proved"),
         (r"In the special case $a=0$ one has $\dot v=0$.", "proved"),
         (r"In the limit $m\to\infty$ one has $\dot\omega=-v\omega/a$.", "proved"),
