@@ -141,6 +141,11 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
             r"\begin{pmatrix}m&0\\0&J+ma^2\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}$.",
             "proved",
         ),
+        (r"With $M=\begin{pmatrix}m&a\\ 0&J\end{pmatrix}$ one has $\det M=mJ$.", "not read"),
+        (
+            r"With $\mathbf M=\begin{pmatrix}m&a\\ 0&J\end{pmatrix}$ one has $\det\mathbf M=mJ$.",
+            "proved",
+        ),
         (r"The minor is $\begin{vmatrix}m&a\\ 0&J\end{vmatrix}=mJ$.", "proved"),
         (r"Also $\begin{pmatrix}m&a\\ 0\end{pmatrix}=\dot v$.", "not read"),
         (r"$$|v|=\begin{cases}v,&v\ge0,\\ -v,&v<0.\end{cases}$$", "proved"),
