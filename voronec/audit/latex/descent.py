@@ -21,7 +21,7 @@ from voronec.audit.latex.doubts import (
 )
 from voronec.audit.latex.nodes import (
     POINT,
-    TRANSPOSED,
+    TRANSPOSE,
     Call,
     Chain,
     Cross,
@@ -392,7 +392,7 @@ def _as_point(part: Node) -> Node:
 
 
 def _transposes(node: Node) -> bool:
-    return isinstance(node, Power) and node.exponent in TRANSPOSED
+    return isinstance(node, Power) and node.exponent in TRANSPOSE
 
 
 def _is_partial(node: Node) -> bool:
