@@ -103,7 +103,7 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
         (r"Let $k$ be the ratio $J/m$. Then $(k+a^2)\dot\omega=-av\omega$.", "definition"),
         (r"We denote by $P$ the quantity $J+ma^2$. One has $P\dot\omega=mav\omega$.", "definition"),
-        (r"Put $\mu=ma$. Then $(J+ma^2)\dot\omega=-\mu v\omega$.", "proved"),
+        (r"One has $(J+ma^2)\dot\omega=-\mu v\omega$, where $\mu=ma$.", "definition"),
         (
             r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-\frac12(J+ma^2)\omega^2$.",
             "proved",
