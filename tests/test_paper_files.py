@@ -106,13 +106,19 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (r"The ratio is $\dot v/\omega=a\omega$.", "proved"),
         (r"Let $k$ be the ratio $J/m$. Then $(k+a^2)\dot\omega=-av\omega$.", "definition"),
         (r"We denote by $P$ the quantity $J+ma^2$. One has $P\dot\omega=mav\omega$.", "definition"),
-        (r"Put $\mu=ma$. Then $(J+ma^2)\dot\omega=-\mu v\omega$.", "proved"),
+        (r"One has $(J+ma^2)\dot\omega=-\mu v\omega$, where $\mu=ma$.", "definition"),
         (
             r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-\frac12(J+ma^2)\omega^2$.",
             "proved",
         ),
         (r"Then $mv^2+(J+ma^2)\omega^2-2C=0$ and $\frac m2v^2-C=-(J+ma^2)\omega^2$.", "not read"),
         (r"Then $mv^2+(J+ma)\omega^2-2C=0$.", "unknown letters"),
+        (
+            r"With $q=(x,y,\phi)\in\mathbb R^2\times S^1$ "
+            r"it is $\dot q=(v\cos\phi,v\sin\phi,\omega)$.",
+            "proved",
+        ),
+        (r"The space is $q\in Q=S^1\times\mathbb R^2$.", "unknown letters"),
         (r"At rest one has $\dot v=0$.", "proved"),
         (r"In the special case $a=0$ one has $\dot v=0$.", "proved"),
         (r"In the limit $m\to\infty$ one has $\dot\omega=-v\omega/a$.", "proved"),
@@ -136,6 +142,11 @@ TRUE = r"Here $\dot v=a\omega^2$ and $\dot x=v\cos\phi$. "
         (
             r"The energy is $T=\frac12\begin{pmatrix}v&\omega\end{pmatrix}"
             r"\begin{pmatrix}m&0\\0&J+ma^2\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}$.",
+            "proved",
+        ),
+        (r"With $M=\begin{pmatrix}m&a\\ 0&J\end{pmatrix}$ one has $\det M=mJ$.", "not read"),
+        (
+            r"With $\mathbf M=\begin{pmatrix}m&a\\ 0&J\end{pmatrix}$ one has $\det\mathbf M=mJ$.",
             "proved",
         ),
         (r"The minor is $\begin{vmatrix}m&a\\ 0&J\end{vmatrix}=mJ$.", "proved"),

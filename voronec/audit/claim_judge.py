@@ -25,7 +25,7 @@ from voronec.audit.introductions import INTEGRAL, Introductions
 from voronec.audit.judge import SectionContext, judge_formula
 from voronec.audit.latex.nodes import Chain, walk
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import names_in, spelled, unknown_names
+from voronec.audit.letters import name_latex, names_in, unknown_names
 from voronec.audit.meaning import SENSELESS
 from voronec.audit.paper import Section
 from voronec.audit.printed_claims import PrintedClaim
@@ -139,7 +139,7 @@ class ClaimJudge:
             if case.holds(chain):
                 method = f"true for {case.said}, which its sentence names"
                 return FormulaRecord(printed, "proved", method, source=study.origin)
-        if self.introductions.constants & {spelled(name) for name in names_in(chain)}:
+        if self.introductions.constants & {name_latex(name) for name in names_in(chain)}:
             return FormulaRecord(printed, "not read", "its constant may be another one here")
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:

@@ -43,7 +43,7 @@ _BOUND = re.compile(
     r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b",
     re.IGNORECASE,
 )
-_SOLVED = re.compile(
+_WHOLE_SYSTEM = re.compile(
     r"\b(?:system|problem|equations)(?: of motion)? (?:is|are) (?:completely )?integrable\b"
 )
 _MEASURE = re.compile(r"\bmeasure\b[^$]* with (?:the )?density (?:\w+ )?\$(?P<density>\d+)\$")
@@ -102,8 +102,8 @@ def claims_in_words(
         return [WordClaim(True, decide=lambda equations: _integrable(equations, positive, several))]
     if _NEGATION.search(words):
         return []
-    if _SOLVED.search(words) is not None:
-        return [WordClaim(False, decide=_solved)]
+    if _WHOLE_SYSTEM.search(words) is not None:
+        return [WordClaim(False, decide=_theorem)]
     if (match := _FREEDOM.search(words)) is not None:
         count = match["count"].lower()
         number = _COUNTS.index(count) if count in _COUNTS else count
@@ -168,7 +168,7 @@ def _each(equations: VoronecEquations, stated: bool) -> tuple[str, str]:
     return "unaudited", f"{found} combinations of the constraints integrate; which are meant?"
 
 
-def _solved(equations: VoronecEquations) -> tuple[str, str]:
+def _theorem(equations: VoronecEquations) -> tuple[str, str]:
     """Whether a theorem of integrability that the system itself claims is proved for it."""
     own = equations.system
     for claim in check_claims(replace(own, cases={})) if own.integrable else ():

@@ -15,22 +15,22 @@ from typing import Any
 from voronec.audit.contents import value_or_none
 from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Name, Number
-from voronec.audit.letters import names_in, spelled
+from voronec.audit.letters import name_latex, names_in
 from voronec.audit.meaning import evaluate
 from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.study import Study, key_of
 from voronec.audit.verify import verify
 
-_SPOKEN_OF = re.compile(r"curvature|voronec|ehresmann", re.IGNORECASE)
+_SUBJECT = re.compile(r"curvature|voronec|ehresmann", re.IGNORECASE)
 
 
 def with_curvature(study: Study, claims: Sequence[PrintedClaim], text: str) -> Study:
     """The dictionary with the components that a paper has, whose text speaks of them."""
     values: dict[str, Any] = {}
     mine: list[PrintedClaim] = []
-    for claim in claims if _SPOKEN_OF.search(text) else ():
+    for claim in claims if _SUBJECT.search(text) else ():
         names = {n for n in names_in(claim.chain or ()) if key_of(n) not in study.table}
-        held = {spelled(name): _component(name, study) for name in names}
+        held = {name_latex(name): _component(name, study) for name in names}
         values |= {name: value for name, value in held.items() if value is not None}
         mine += [claim] * any(held.values())
     proved: dict[int, Study] = {}

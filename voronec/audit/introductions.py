@@ -23,7 +23,7 @@ from voronec.audit.contents import (
 from voronec.audit.display import Check
 from voronec.audit.latex.nodes import Chain, Name, Node
 from voronec.audit.lessons.judgement import GROUNDS
-from voronec.audit.letters import spelled, unknown_names
+from voronec.audit.letters import name_latex, unknown_names
 from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.record import FormulaRecord
 from voronec.audit.study import Study, key_of
@@ -147,7 +147,7 @@ class Introductions:
             values = [value_or_none(value_of, part, self.study, {}) for part in parts]
             held: list[set[Any]] = [getattr(value, "free_symbols", set()) for value in values]
             if any(symbols and not symbols & moving for symbols in held):
-                yield from (spelled(part) for part in parts if isinstance(part, Name))
+                yield from (name_latex(part) for part in parts if isinstance(part, Name))
 
     def _is_constant(self, part: Node) -> bool:
         """Whether a part keeps its value along every motion."""

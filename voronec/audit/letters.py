@@ -19,7 +19,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.text import as_expression, formula
 from voronec.audit.latex.document import PrintedDisplay
-from voronec.audit.latex.nodes import TRANSPOSED, Name, Node, Power
+from voronec.audit.latex.nodes import TRANSPOSE, Name, Node, Power
 from voronec.audit.latex.tokens import FUNCTIONS, Unfamiliar
 from voronec.audit.lessons.judgement import CONSTANT, Language
 from voronec.audit.lessons.notation import BASE
@@ -114,7 +114,7 @@ def _letters_of_mechanics(equations: VoronecEquations, study: Study) -> dict[str
 
 def names_in(part: Any) -> Iterator[Name]:
     """The names in a tree, without those that stand as indices, and the T of what is transposed."""
-    if isinstance(part, Power) and part.exponent in TRANSPOSED:
+    if isinstance(part, Power) and part.exponent in TRANSPOSE:
         part = part.base
     if isinstance(part, Name):
         yield part
@@ -141,15 +141,15 @@ def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
             if key in table or key == "const":
                 continue
             if plain in table:
-                found[spelled(name)] = table[key] = table[plain]
+                found[name_latex(name)] = table[key] = table[plain]
             elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
-                found[spelled(name)] = table[key] = derived[plain]
+                found[name_latex(name)] = table[key] = derived[plain]
         first = claim.chain.parts[0] if claim.chain and id(claim.display) not in seen else None
         seen |= {id(claim.display)} if claim.chain else set()
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
             value = _value_by_words(claim.display, first, derived, study)
             if value is not None:
-                found[spelled(first)] = table[key_of(first)] = value
+                found[name_latex(first)] = table[key_of(first)] = value
     return replace(study, names={**study.names, **found})
 
 
@@ -175,7 +175,7 @@ def _value_by_words(
     return None
 
 
-def spelled(name: Name) -> str:
+def name_latex(name: Name) -> str:
     """A name as a dictionary spells it."""
     below, above = (",".join(map(spell, marks)) for marks in (name.sub, name.sup))
     return name.head + (f"_{{{below}}}" if below else "") + (f"^{{{above}}}" if above else "")
@@ -191,9 +191,9 @@ def unknown_names(chain: Node, study: Study) -> list[str]:
         try:
             evaluate(name, study)
         except UnknownName:
-            found.setdefault(spelled(name))
+            found.setdefault(name_latex(name))
         except Unfamiliar:  # p_v, where v has a value that is no index
-            found |= {spelled(name): None} if name.sub or name.sup else {}
+            found |= {name_latex(name): None} if name.sub or name.sup else {}
         except SENSELESS:
             continue  # told where the formula gets its verdict
     return [*found]

@@ -26,7 +26,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.audit.latex.nodes import (
     POINT,
-    TRANSPOSED,
+    TRANSPOSE,
     Bound,
     Call,
     Cases,
@@ -265,7 +265,7 @@ def evaluate(node: Node, study: Study, where: Where | None = None) -> Any:
 
 
 def _lookup(node: Node, study: Study, where: Where) -> Any:
-    """The value of a name: first as it is spelled, then with the values of its indices."""
+    """The value of a name: first as it is latex_of, then with the values of its indices."""
     exact = key_of(node)
     if exact in study.table:
         return study.table[exact]
@@ -452,7 +452,7 @@ def _bound(node: Bound, study: Study, where: Where) -> Any:
 
 
 def _power(node: Power, study: Study, where: Where) -> Any:
-    transposed = node.exponent in TRANSPOSED
+    transposed = node.exponent in TRANSPOSE
     if transposed and isinstance(node.base, Listing):
         return sp.Matrix(_listed_values(node.base.items, study, where))
     base = evaluate(node.base, study, where)

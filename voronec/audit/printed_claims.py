@@ -86,7 +86,7 @@ def claim_in_words(
     return found[0] if len(found) == 1 else None
 
 
-_APPLIED = re.compile(
+_WITH_ARGUMENTS = re.compile(
     r"\s*(?P<name>(?:\\(?:mathbf|boldsymbol|mathcal|mathrm)\s*)?\{?\\?[a-zA-Z]+\}?(?:_\w|_\{\w+\})?)"
     r"\s*\((?P<first>[^()=+\-,]*[a-zA-Z][^()=+\-,]*)(?:,[^()=+\-]*)?\)\s*=",
     re.DOTALL,
@@ -98,7 +98,7 @@ def applied_letters(document: Document, study: Study) -> set[str]:
     """The letters that the paper defines with their arguments, and the system does not have."""
     found = set()
     printed = [source_of(p, unit.display) for d in document.displays for _, unit, p in d.formulas]
-    for match in filter(None, map(_APPLIED.match, printed)):
+    for match in filter(None, map(_WITH_ARGUMENTS.match, printed)):
         name = value_or_none(study.tree, match["name"])
         plain = any(re.match(re.escape(match["name"].strip()) + r"\s*=", text) for text in printed)
         own = isinstance(name, Name) and key_of(name) not in study.table

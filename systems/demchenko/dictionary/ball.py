@@ -111,25 +111,11 @@ class WithRotor:
         """What the paper's letters stand for."""
         roll = self.rolling
         place = sp.Matrix(roll.contact.fixed.position)
-        found: dict[str, Any] = {
-            "t": vo.time,
-            "u": u,
-            "v": v,
-            r"\vartheta": theta,
-            "u_1": u1,
-            "v_1": v1,
-            "s": s,
-            r"\tau": tau,
-            "n": n,
-            "R_1": R1,
-            "R_2": R2,
-            "A_1": A1,
-            "A_2": A2,
-            "C_1": C1,
-            "C_2": C2,
-            r"\mathbf{M}": M,
-            r"\Gamma": GAMMA,
-            "r_2": r2,
+        letters = r"t u v \vartheta u_1 v_1 s \tau n r_2 R_1 R_2 A_1 A_2 C_1 C_2 \mathbf{M} \Gamma"
+        places = (vo.time, u, v, theta, u1, v1)
+        symbols = (*places, *QUASI, *CONSTANTS, GAMMA)
+        found: dict[str, Any] = dict(zip(letters.split(), symbols, strict=True))
+        found |= {
             r"\tilde{\mathbf{T}}": roll.energy,
             r"\mathbf{w}": roll.axes * roll.centre,
             r"\tilde{\mathbf{G}}^{(M)}": roll.axes * roll.momentum,

@@ -21,7 +21,7 @@ from voronec.audit.latex.doubts import (
 )
 from voronec.audit.latex.nodes import (
     POINT,
-    TRANSPOSED,
+    TRANSPOSE,
     Call,
     Chain,
     Cross,
@@ -41,12 +41,11 @@ from voronec.audit.latex.nodes import (
     Variation,
     Wedge,
 )
-from voronec.audit.latex.tables import BEGINNINGS, ENDS
+from voronec.audit.latex.tables import ENDS
 from voronec.audit.latex.tokens import (
     ELEMENTARY,
     ELLIPSES,
     FUNCTION_NAMES,
-    FUNCTIONS,
     Ambiguous,
     Misprint,
     Token,
@@ -272,7 +271,7 @@ class Reader:
         elif self.peek() == "(" and _transposes(node) and self._applies(node.base):
             call = Call(node.base, self.group(self.take()), self.since(start))
             node = replace(node, base=call)  # A^T(q)
-        elif isinstance(node, Name) and node.head in FUNCTIONS and self.peek() in BEGINNINGS:
+        elif isinstance(node, Name) and node.head in ("\\det", "\\tr") and self.kind() == "command":
             node = Call(node, (self.atom(),), self.since(start))
         elif isinstance(node, Name) and node.head in FUNCTION_NAMES and not self.ends_term():
             node = self._named_function(node, start)
@@ -393,7 +392,7 @@ def _as_point(part: Node) -> Node:
 
 
 def _transposes(node: Node) -> bool:
-    return isinstance(node, Power) and node.exponent in TRANSPOSED
+    return isinstance(node, Power) and node.exponent in TRANSPOSE
 
 
 def _is_partial(node: Node) -> bool:

@@ -254,7 +254,7 @@ _SPELLINGS = (
     (r"(\\begin|\\end)\{dmath(\*?)\}", r"\1{equation\2}"),
     (r"\\begin\{empheq\}(?:\[[^]]*\])?\{(\w+\*?)\}", r"\\begin{\1}"),
     (r"\\(?:mathrm|operatorname)\{(diag|det|tr)\}", r"\\\1"),
-    (r"\\in(?:\s*(?:\\times\s*)?\\?[a-z]*\s*\{?[A-Z]\}?\w*(?:\^(?:\w|\{\w+\}))?)+", ""),  # a space
+    (r"\\in(?:\s*(?:\\times\s*)?\\?[a-z]*\s*\{?[A-Z]\}?\w*(?:\^\{?\w+\}?)?)+(?![\w\s]*[\^=])", ""),
     (r":\s*=", "="),
     (r"=\s*:", "="),
     (r"\\label\s*\{[^}]*\}", ""),

@@ -41,7 +41,7 @@ class Name:
     at: Place = _place()
 
 
-TRANSPOSED = (Name("T"), Name("\\top"))
+TRANSPOSE = (Name("T"), Name("\\top"))
 """What stands above a matrix that is transposed."""
 
 
