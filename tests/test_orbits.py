@@ -295,7 +295,6 @@ WEAVE = {
         ("falling-disc", {}),
         ("sleigh-on-turntable", {}),
         ("ball-on-sphere", {"u": 1, "theta": 1, "u1": 1, "omega1": 0, "omega2": 0, "omega3": 1}),
-        ("torus-on-ellipsoid", {}),
     ],
 )
 def test_monodromies_are_differences_of_the_multiplier_route(

@@ -299,8 +299,8 @@ def test_a_family_tells_where_it_passes_over_the_pole_of_a_logarithm(strength: A
     system = vo.System("logarithm", vo.Fibration(base=(X,)), DX**2 / 2, forces={X: push},
                        parameters=(vo.Parameter(c, sp.Rational(1, 3)),))  # fmt: skip
     motion = vo.steady(system, at={X: sp.Rational(1, 3)})[0]
-    assert motion.along(c, (-1, 1), count=20).undefined == pytest.approx([0], abs=1e-9)
-    assert motion.along(c, ("1/5", 1), count=20).undefined == ()
+    assert motion.along(c, (-1, 1), count=20).logarithmic_poles == pytest.approx([0], abs=1e-9)
+    assert motion.along(c, ("1/5", 1), count=20).logarithmic_poles == ()
 
 
 def test_pairs_that_meet_on_the_imaginary_axis() -> None:

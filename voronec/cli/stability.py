@@ -58,7 +58,7 @@ def _lines(found: SteadyFamily) -> list[str]:
     lines += [f"fold: {found.over} = {value:.13g}" for value in found.folds]
     lines += [f"branch point: {found.over} = {value:.13g}" for value in found.branch_points]
     lines += [f"passes over {found.over} = {value:.6g}, where a logarithm has no value"
-              for value in found.undefined]  # fmt: skip
+              for value in found.logarithmic_poles]  # fmt: skip
     from voronec.dynamics.continuation import COMPLETE
 
     for end, why in zip((found.values[0], found.values[-1]), found.ends, strict=True):

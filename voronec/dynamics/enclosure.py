@@ -17,6 +17,7 @@ import flint
 import numpy as np
 import symengine as se
 
+from voronec.dynamics.joint_function import JointFunction
 from voronec.dynamics.natural_integrals import keeps_energy
 from voronec.dynamics.newton import RANK, polish
 from voronec.dynamics.spectrum import characteristic, root_on_right
@@ -127,8 +128,9 @@ def regular_block(
 
 
 def krawczyk(
-    equations: SteadyEquations, middle: Sequence[Any], rows: Sequence[int], columns: Sequence[int]
-) -> list[Any] | None:
+    equations: SteadyEquations | JointFunction, middle: Sequence[Any], rows: Sequence[int],
+    columns: Sequence[int],
+) -> list[Any] | None:  # fmt: skip
     """Balls about ``middle`` in which the chosen equations have a solution in the chosen variables:
     K(X) = m - C F(m) + (1 - C F'(X)) (X - m) lies inside X [Krawczyk1969]."""
     if not rows:

@@ -105,7 +105,7 @@ class _Extremum:
         forms = np.array([s[:n, :n] for s in slopes]) * np.outer(self.units, self.units)
         sizes = np.maximum(*(np.linalg.norm(x.reshape(count, -1), axis=1)
                              for x in (gradients, forms)))  # fmt: skip
-        sizes = np.where(sizes > 0, sizes, 1.0)
+        sizes = np.where(sizes > 0, sizes, np.inf)  # such as depend on parameters alone
         gradients, forms = gradients / sizes[:, None], forms / sizes[:, None, None]
         left, values, right = np.linalg.svd(gradients)
         rank = int((values > RANK).sum())
@@ -128,7 +128,8 @@ class _Extremum:
             if not self._is_convex(found, [(n + k, float(sizes[k])) for k in held]):
                 return None
         terms = zip(multipliers, multipliers / sizes, self.constants, strict=True)
-        return " + ".join(f"{m:.6g} ({name})" for size, m, name in terms if abs(size) > RANK)
+        shown = (f"{m:.6g} ({name})" for size, m, name in terms if abs(size) > RANK and m != 0)
+        return " + ".join(shown).replace("+ -", "- ")
 
     def _is_convex(self, slopes: Any, held: Sequence[tuple[int, float]]) -> bool:
         """Whether V is convex in the balls, for some N, in the units."""

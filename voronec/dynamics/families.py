@@ -178,7 +178,7 @@ class SteadyFamily:
         return tuple(self._values_at_roots(self.curve.regularity))
 
     @cached_property
-    def undefined(self) -> tuple[float, ...]:
+    def logarithmic_poles(self) -> tuple[float, ...]:
         """About where the curve passes over points at which a logarithm has no value."""
         arguments = self.curve.equations.logarithms
         found = set[float]()
@@ -352,7 +352,7 @@ class SteadyFamily:
                  "stability": str(r.motion.verdict)}
                 for r in self.ranges
             ],
-            "ends": list(self.ends), "undefined": list(self.undefined),
+            "ends": list(self.ends), "logarithmic_poles": list(self.logarithmic_poles),
         }  # fmt: skip
 
 

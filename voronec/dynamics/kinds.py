@@ -70,15 +70,15 @@ def _coordinate_rates(motion: Any) -> np.ndarray | None:
         )
         return JointFunction.of(form.time, symbols, rows, symbols[: -len(form.parameters) or None])
 
+    try:
+        function: JointFunction = equations.memo.once("places", make).with_values(values)
+    except VoronecError:
+        return None
+
     def off(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         found, slopes = function.at(x)
         return found[: len(names)] - targets, slopes[: len(names)]
 
-    try:
-        function = equations.memo.once("places", make).with_values(values)
-        here = [float(values.get(str(x), 0.4 + i / 7)) for i, x in enumerate(function.unknowns)]
-        place = solve(off, np.array(here), np.ones(len(here)))
-    except VoronecError:
-        return None
-
+    here = [float(values.get(str(x), 0.4 + i / 7)) for i, x in enumerate(function.unknowns)]
+    place = solve(off, np.array(here), np.ones(len(here)))
     return None if place is None else function.at(place)[0][len(names) :]

@@ -363,12 +363,13 @@ def steady(
         found.append(_search(Motions.of(equations), home, said, starts, seed))
     except DefinitionError as error:
         wrong.append(error)
-    regular = regular_at_poles(equations, steady_formulation(equations).positions)
-    for polar in () if regular is None else regular[1]:
+    positions = steady_formulation(equations).positions
+    regular, poles = regular_at_poles(equations, positions) or (equations, ())
+    for polar in poles:
         there = {**values, **dict.fromkeys(polar, 0)}
         with suppress(VoronecError):
-            beside = _with_values(regular[0], {}, given, unknown, there)
-            found.append(_search(Motions.of(regular[0]), beside, {}, starts, seed))
+            beside = _with_values(regular, {}, given, unknown, there)
+            found.append(_search(Motions.of(regular), beside, {}, starts, seed))
     if not found:
         raise wrong[0]
     all_found = replace(found[0], system=own, motions=tuple(m for each in found for m in each))
