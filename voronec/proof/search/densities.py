@@ -50,7 +50,7 @@ from voronec.proof.search.lifting import lift_vector
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
 from voronec.proof.search.residues import Array, free_columns
-from voronec.proof.search.search import parameter_values
+from voronec.proof.search.search import check_symbols, parameter_values
 
 FACTORS = 60
 """So many factors are taken into an ansatz, the shortest first."""
@@ -268,7 +268,9 @@ class _Ansatz:
             )  # fmt: skip
         base = len(field.positions) if base is None else base
         moving = {*field.positions[:base], *(field.velocities if velocities else ())}
-        own = [field.read(as_expression(f)) for f in given]
+        exprs = [*map(as_expression, given)]
+        check_symbols(field.system, exprs, set())
+        own = [*map(field.read, exprs)]
         named = [] if field.determinant is None else [determinant(field.mass)]
         held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]

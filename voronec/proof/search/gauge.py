@@ -38,7 +38,7 @@ from voronec.proof.search.densities import motions_at
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
-from voronec.proof.search.search import search_integrals
+from voronec.proof.search.search import check_symbols, search_integrals
 from voronec.proof.search.symmetries import SPARE, lift_kernel
 
 CIRCULAR = (se.sin, se.cos, se.tan)
@@ -136,7 +136,9 @@ def search_gauge_momenta(
         raise EngineLimit("gauge momenta are searched where coordinates have velocities")
     found = search_integrals(motions.equations, degree=1, positions=positions, again=True)
     linear = [f.expression for f in found.integrals if f.verdict.proved]
-    linear += [as_expression(e) for e in integrals]
+    given_integrals = [as_expression(e) for e in integrals]
+    check_symbols(motions.system, given_integrals, set())
+    linear += given_integrals
     symmetries = {f"Y{i + 1}": y for i, y in enumerate(_affine_symmetries(motions, seed))}
     for name, given in (fields or {}).items():
         symmetries[name] = [

@@ -42,7 +42,13 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import TRIES, Variety, solve_each
 from voronec.proof.search.residues import PRIMES, Array, as_residue, free_columns, inverse
-from voronec.proof.search.search import known_integrals, parameter_values, specialize_field
+from voronec.proof.search.search import (
+    check_symbols,
+    known_integrals,
+    parameter_values,
+    require_bound,
+    specialize_field,
+)
 
 SURPLUS = 10
 """Coefficients of a series, and points, beyond the number of unknowns."""
@@ -138,8 +144,7 @@ def exclude_rational_integrals(
     are not rational or the degree asks for more memory than there is.
     """
     begin = perf_counter()
-    if degree < 1:
-        raise DefinitionError(f"degree is {quote(degree)}; give a number from 1 upward")
+    require_bound("degree", degree, 1)
     motions = Motions.of(system)
     values = _numbers(motions, at or {})
     field = specialize_field(motions.field_for(()), values)
@@ -197,6 +202,7 @@ def _violated(system: System, body: Sequence[Any], values: Mapping[Any, Any]) ->
     named = {p.name: p.symbol for p in system.parameters}
     known = [as_expression(e) for e in body]
     known = [e.xreplace({s: named.get(str(s), s) for s in e.free_symbols}) for e in known]
+    check_symbols(system, known, set())
     conditions = [*system.conditions, *(sp.Ge(e, 0, evaluate=False) for e in known)]
     return tuple(plain_text(c) for c in conditions if c.xreplace(dict(values)).doit() == sp.false)
 

@@ -482,15 +482,14 @@ class SearchProblem:
     ) -> SearchProblem:
         """Read what the user handed in."""
         for name, number in (("degree", degree), ("positions", positions), ("power", power)):
-            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise DefinitionError(f"{name} is {quote(number)}; give a number from 0 upward")
+            require_bound(name, number)
         motions = Motions.of(system)
         given = _functions(motions.system, functions)
         below = [d if d == "mass" else as_expression(d) for d in denominators]
         plain = [*given.values(), *(d for d in below if d != "mass")]
         values = parameter_values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
-        _check_symbols(motions.system, plain, new)
+        check_symbols(motions.system, plain, new)
         field = specialize_field(motions.field_for(plain), values)
         if field.existence.refuted:
             raise DefinitionError(f"system '{motions.system.name}': {field.existence.method}")
@@ -635,7 +634,14 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
     return found
 
 
-def _check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
+def require_bound(name: str, number: Any, least: int = 0) -> None:
+    """Refuse what is no bound on a degree."""
+    if not isinstance(number, int) or isinstance(number, bool) or number < least:
+        raise DefinitionError(f"{name} is {quote(number)}; give a number from {least} upward")
+
+
+def check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
+    """Refuse symbols that a system does not have."""
     known = {*system.known_symbols(), *system.invariant_symbols, *new}
     names = {str(s) for s in known}
     for expr in exprs:
