@@ -59,18 +59,28 @@ def _of_system(system: Any) -> Iterator[tuple[str, str, str, float]]:
         }  # fmt: skip
         for kind, (claim, search) in declared.items():
             if claim is not None or not case:
-                yield kind, case, *_timed(lambda c=claim, s=search: _density(c is not None, s()))
+                yield (
+                    kind,
+                    case,
+                    *_with_seconds(lambda c=claim, s=search: _density(c is not None, s())),
+                )
         if holder.integrals:
-            yield "integrals", case, *_timed(lambda h=holder, a=at: _integrals(system, h, a))
-        yield "symmetries", case, *_timed(lambda a=at: _proved(vo.search_symmetries(system, at=a)))
+            yield "integrals", case, *_with_seconds(lambda h=holder, a=at: _integrals(system, h, a))
+        yield (
+            "symmetries",
+            case,
+            *_with_seconds(lambda a=at: _outcome(vo.search_symmetries(system, at=a))),
+        )
         yield (
             "gauge",
             case,
-            *_timed(lambda a=at: _proved(vo.search_gauge_momenta(system, at=a, positions=1))),
+            *_with_seconds(
+                lambda a=at: _outcome(vo.search_gauge_momenta(system, at=a, positions=1))
+            ),
         )
 
 
-def _timed(search: Callable[[], str]) -> tuple[str, float]:
+def _with_seconds(search: Callable[[], str]) -> tuple[str, float]:
     begin = time.process_time()
     try:
         outcome = search()
@@ -87,8 +97,8 @@ def _density(declared: bool, result: Any) -> str:
     return "declared, found and proved" if declared else "none declared, found and proved"
 
 
-def _proved(result: Any) -> str:
-    return f"proved: {result.statement}" if result.decided else f"not proved: {result.statement}"
+def _outcome(result: Any) -> str:
+    return f"proved: {result.statement}" if result.is_decided else f"not proved: {result.statement}"
 
 
 def _integrals(system: Any, holder: Any, at: Any) -> str:
@@ -127,7 +137,7 @@ def _rank(degree: int) -> int:
                 body = (*radius, f"2*m*{name}^2 - I1 - I2 - I3")
                 found = vo.exclude_rational_integrals(system, degree, at=at, body=body)
                 shown = epsilon == 1 or (epsilon == -1 and not any(wheel))
-                new = not found.decided
+                new = not found.is_decided
                 count["integral shown" if shown else "none shown", "excess" if new else "none"] += 1
                 count["formal values"] += bool(found.formal)
                 if new != shown:

@@ -93,7 +93,7 @@ class DensitySearch:
         return html_table(f"{self.kind} of {self.system}", rows)
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether something is proved: what was found, or that there is none."""
         return self.excluded if self.found is None else self.found.verdict.proved
 
@@ -113,7 +113,7 @@ class DensitySearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
+        return {**plain_data(self), "decided": self.is_decided, "statement": self.statement}
 
 
 @accepts()
@@ -298,7 +298,7 @@ class _Ansatz:
             return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
 
         powers = lift_vector(vector, len(pivots), probe, rng)
-        return self._written(dict(zip(pivots, powers, strict=True))), sure
+        return self._density(dict(zip(pivots, powers, strict=True))), sure
 
     def _probe(self) -> Probe:
         field = self.field
@@ -338,7 +338,7 @@ class _Ansatz:
         solved, _ = solve_each(turned, right, p)
         return total - sum(solved[i, i] for i in range(count))
 
-    def _written(self, powers: Mapping[int, Any]) -> Any:
+    def _density(self, powers: Mapping[int, Any]) -> Any:
         """The density by its powers; factors under roots are positive at some state."""
         named = None if self.field.determinant is None else determinant(self.field.mass)
         parts, exponents = [], []

@@ -82,7 +82,7 @@ class GaugeSearch:
         return f"{momentum.kind}: {along}"
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether all integrals are proved."""
         return all(m.verdict.proved for m in self.momenta)
 
@@ -97,7 +97,7 @@ class GaugeSearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
+        return {**plain_data(self), "decided": self.is_decided, "statement": self.statement}
 
 
 def write_field(components: Mapping[Any, Any]) -> str:

@@ -89,7 +89,7 @@ class RationalBound:
         return self.monomials - self.rank - self.explained
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether it is proved that there is no further rational integral up to the degree."""
         return self.excess == 0
 
@@ -102,7 +102,7 @@ class RationalBound:
             where += f" (formal: no body has these values, which violate {', '.join(self.formal)})"
         known = ", ".join(self.known) or "none but constants"
         form = f"of degree at most {self.degree} in {', '.join(self.letters)}"
-        if self.decided:
+        if self.is_decided:
             return f"No further rational integral {form}{where}. Known: {known}."
         return (
             f"Undecided: {self.excess} more polynomials {form} vanish on the orbits tried than the "
@@ -111,7 +111,7 @@ class RationalBound:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        numbers = {"excess": self.excess, "decided": self.decided, "statement": self.statement}
+        numbers = {"excess": self.excess, "decided": self.is_decided, "statement": self.statement}
         return {**plain_data(self), **numbers}
 
 
@@ -153,7 +153,7 @@ def exclude_rational_integrals(
         n: f for n, f in claims.items() if decide_zero(field.derivative(f), field.hypotheses).proved
     }
     flow = RationalFlow(field)
-    letters = _Letters.of(field, flow, known, momenta)
+    letters = _LetterFunctions.of(field, flow, known, momenta)
     _require_memory(len(letters.names), degree)
     exponents = letters.monomials(degree)
     rank = explained = 0
@@ -173,7 +173,7 @@ def exclude_rational_integrals(
         monomials=len(exponents),
         rank=rank,
         explained=explained,
-        formal=_violated(motions.system, body, values),
+        formal=_violations(motions.system, body, values),
         seconds=perf_counter() - begin,
     )
 
@@ -197,7 +197,7 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     return {p.symbol: values[p.symbol] for p in needed}
 
 
-def _violated(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
+def _violations(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
     """The conditions on the parameters that values do not meet."""
     named = {p.name: p.symbol for p in system.parameters}
     known = [as_expression(e) for e in body]
@@ -367,7 +367,7 @@ class RationalFlow:
 
 
 @dataclass(frozen=True)
-class _Letters:
+class _LetterFunctions:
     """What the polynomials of the test are polynomials in, by ``names``, as functions of the
     generators of a flow: numerators and then denominators.
 
@@ -384,7 +384,7 @@ class _Letters:
     @classmethod
     def of(
         cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
-    ) -> _Letters:
+    ) -> _LetterFunctions:
         ring, moving = flow.ring, [*field.velocities]
         own = (g for q in field.positions for g in (q, *flow.pairs.get(q, ())))
         still = [g for g in own if g in flow.place]
@@ -411,7 +411,7 @@ class _Letters:
         bound = _in_letters(order, relations)
         if bound is None:
             raise EngineLimit("the relations are no polynomials in the letters of the rank test")
-        return cls(flow, tuple(names), read, found, _leading(bound))
+        return cls(flow, tuple(names), read, found, _leading_monomials(bound))
 
     def primes(self) -> list[int]:
         """Primes that divide no denominator."""
@@ -520,7 +520,7 @@ def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
     return found
 
 
-def _leading(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
+def _leading_monomials(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
     """The leading monomials of a Groebner basis, by total degree first."""
     if not relations:
         return ()
