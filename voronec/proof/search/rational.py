@@ -25,7 +25,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, FLAG, VALUES, accepts
 from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, quotient
@@ -43,9 +43,9 @@ from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import TRIES, Variety, solve_each
 from voronec.proof.search.residues import PRIMES, Array, as_residue, free_columns, inverse
 from voronec.proof.search.search import (
-    check_symbols,
     known_integrals,
     parameter_values,
+    read_expressions,
     require_bound,
     specialize_field,
 )
@@ -115,7 +115,7 @@ class RationalBound:
         return {**plain_data(self), **numbers}
 
 
-@accepts()
+@accepts(degree=COUNT, at=VALUES, momenta=FLAG, seed=COUNT)
 def exclude_rational_integrals(
     system: System | VoronecEquations,
     degree: int = 4,
@@ -157,7 +157,7 @@ def exclude_rational_integrals(
     _require_memory(len(letters.names), degree)
     exponents = letters.monomials(degree)
     rank = explained = 0
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(abs(seed))
     for p in letters.primes()[:ORBITS]:
         explained = max(explained, letters.rank_of_multiples(exponents, degree, p, rng))
         length = len(exponents) - explained + SURPLUS
@@ -200,9 +200,8 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
 def _violations(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
     """The conditions on the parameters that values do not meet."""
     named = {p.name: p.symbol for p in system.parameters}
-    known = [as_expression(e) for e in body]
+    known = read_expressions(system, body, "body")
     known = [e.xreplace({s: named.get(str(s), s) for s in e.free_symbols}) for e in known]
-    check_symbols(system, known, set())
     conditions = [*system.conditions, *(sp.Ge(e, 0, evaluate=False) for e in known)]
     return tuple(plain_text(c) for c in conditions if c.xreplace(dict(values)).doit() == sp.false)
 

@@ -34,7 +34,8 @@ from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Corrected
-from voronec.declaration.reading import quote
+from voronec.declaration.reading import expression as read_expression
+from voronec.declaration.reading import quote, several
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
@@ -638,6 +639,14 @@ def require_bound(name: str, number: Any, least: int = 0) -> None:
     """Refuse what is no bound on a degree."""
     if not isinstance(number, int) or isinstance(number, bool) or number < least:
         raise DefinitionError(f"{name} is {quote(number)}; give a number from {least} upward")
+
+
+def read_expressions(system: System, given: Any, place: str) -> list[sp.Expr]:
+    """Several expressions in symbols that a system has."""
+    exprs = several(given, place, "expression", (int, float))
+    found = [read_expression(as_expression(e), place) for e in exprs]
+    check_symbols(system, found, set())
+    return found
 
 
 def check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:

@@ -25,7 +25,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, VALUES, accepts
 from voronec.algebra.matrices import dot
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import Verdict
@@ -126,7 +126,7 @@ class SymmetrySearch:
         }
 
 
-@accepts()
+@accepts(at=VALUES, seed=COUNT)
 def search_symmetries(
     system: System | VoronecEquations, *, at: Mapping[Any, Any] | None = None, seed: int = 1
 ) -> SymmetrySearch:
@@ -138,7 +138,7 @@ def search_symmetries(
     hold the time, or are too large.
     """
     begin, motions = perf_counter(), motions_at(system, at or {})
-    field, rng = motions.field_for(()), np.random.default_rng(seed)
+    field, rng = motions.field_for(()), np.random.default_rng(abs(seed))
     if any(field.time in e.free_symbols for e in field.entries):
         raise EngineLimit("equations that hold the time: their symmetries are not searched")
     fields = tuple(_affine_fields(field, rng))
