@@ -130,7 +130,7 @@ def test_each_kind_prints_what_is_proved_and_goes_into_json(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("measures", "sleigh", "--factor", "q"), "q"),
+        (("measures", "sleigh", "--factor", "q"), "has no symbol 'q'"),
         (("multipliers", "sleigh", "--at", "b=1"), "no parameter 'b'"),
         (("symmetries", "sliegh"), "sliegh"),
         (("gauge", "sleigh", "--integral", "v"), "'v' is no integral"),

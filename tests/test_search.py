@@ -442,7 +442,7 @@ def test_a_density_may_be_an_exponential_or_have_powers_that_are_functions_of_pa
 
 def test_a_measure_of_another_form_is_not_found_and_the_form_is_told() -> None:
     result = vo.search_measures(vo.load("robot-with-two-trailers"))
-    assert result.found is None and not result.decided
+    assert result.found is None and not result.is_decided
     assert result.statement.endswith("a product of powers of these factors was not found.")
 
 
@@ -467,7 +467,7 @@ def test_a_multiplier_that_is_not_there_is_excluded() -> None:
 def test_the_sleigh_has_the_symmetries_of_the_plane_and_its_reversors() -> None:
     result = vo.search_symmetries(vo.load("sleigh"))
     x, y, v = sp.symbols("x y v")
-    assert result.decided and (result.symmetries, result.reversors) == (4, 4)
+    assert result.is_decided and (result.symmetries, result.reversors) == (4, 4)
     fields = [f.components for f in result.fields]
     assert {x: 1} in fields and {y: 1} in fields and {x: -y, phi: 1, y: x} in fields
     assert any(f.clock != 0 and f.components.keys() == {v, w} for f in result.fields)  # a scaling
@@ -479,7 +479,7 @@ def test_equal_moments_bring_a_rotation_and_a_gyroscope_takes_scaling_away() -> 
     ball = vo.load("chaplygin-ball")
     plain = vo.search_symmetries(ball)
     round_ball = vo.search_symmetries(ball, at={"I2": inertia[0]})
-    assert len(plain.fields) == 1 and len(round_ball.fields) == 2 and round_ball.decided
+    assert len(plain.fields) == 1 and len(round_ball.fields) == 2 and round_ball.is_decided
     turned = {gamma[0]: -gamma[1], gamma[1]: gamma[0], omega[0]: -omega[1], omega[1]: omega[0]}
     assert turned in [f.components for f in round_ball.fields]
     assert round_ball.symmetries == 2 * plain.symmetries  # the axes may be exchanged
@@ -494,7 +494,7 @@ def test_integrals_of_the_sleigh_are_gauge_momenta() -> None:
     kinds = {m.expression: m for m in result.momenta}
     v, x, y = sp.symbols("v x y")
     assert kinds[w].kind == "momentum of a horizontal symmetry"
-    assert kinds[v].kind == "gauge momentum" and result.decided
+    assert kinds[v].kind == "gauge momentum" and result.is_decided
     assert kinds[v].generator == {x: sp.cos(phi) / m, y: sp.sin(phi) / m}
     along = {
         q: sum(f * result.symmetries[name].get(q, 0) for name, f in kinds[v].coefficients.items())
@@ -519,16 +519,16 @@ STILL = dict.fromkeys(WHEEL, 0)
 
 def test_the_gyroscopic_ball_has_an_excess_where_an_integral_is_known_and_only_there() -> None:
     ball, inside = vo.load("gyroscopic-ball-on-sphere"), {"R1": sp.Rational(-1, 2)}  # epsilon = -1
-    assert vo.exclude_rational_integrals(ball, 4).decided
-    assert vo.exclude_rational_integrals(ball, 4, at=inside | WHEEL).decided
-    assert vo.exclude_rational_integrals(ball, 4, at={"R1": -3} | STILL).decided
+    assert vo.exclude_rational_integrals(ball, 4).is_decided
+    assert vo.exclude_rational_integrals(ball, 4, at=inside | WHEEL).is_decided
+    assert vo.exclude_rational_integrals(ball, 4, at={"R1": -3} | STILL).is_decided
     assert vo.exclude_rational_integrals(ball, 4, at=inside | STILL).excess > 0  # Borisov-Fedorov
     assert vo.exclude_rational_integrals(UNTOLD, 2).excess > 0  # (G, gamma) is not told
 
 
 def test_no_excess_is_no_proof_that_a_ball_is_not_integrable() -> None:
     result = vo.exclude_rational_integrals(vo.load("symmetric-gyroscopic-ball-on-sphere"), 4)
-    assert result.decided  # integrals with powers of functions of gamma3 are there
+    assert result.is_decided  # integrals with powers of functions of gamma3 are there
     assert result.statement.startswith("No further rational integral of degree at most 4 in gamma1")
 
 
@@ -539,7 +539,7 @@ def test_no_excess_is_reported_below_an_integral_that_is_shown() -> None:
     told = replace(
         free, integrals={"energy": sum(i * v**2 for i, v in zip(inertia, omega, strict=True))}
     )
-    assert vo.exclude_rational_integrals(free, 1, at=moments).decided
+    assert vo.exclude_rational_integrals(free, 1, at=moments).is_decided
     assert vo.exclude_rational_integrals(free, 2, at=moments).excess >= 3
     one, two = (vo.exclude_rational_integrals(s, 2, at=moments).excess for s in (told, free))
     assert one == two - 1

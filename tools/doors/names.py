@@ -160,6 +160,14 @@ def _table() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "compare": (vo.compare, {"first": x, "second": x}),
         "divergence": (vo.divergence, {"density": X, "flow": {X: X**2}}),
         "search_integrals": (vo.search_integrals, {"system": x, "degree": 1, "positions": 1}),
+        "search_measures": (vo.search_measures, {"system": x, "factors": (X,), "exponent": 1}),
+        "search_reducing_multipliers": (vo.search_reducing_multipliers, {
+            "system": x, "factors": (X,)}),
+        "search_symmetries": (vo.search_symmetries, {"system": x, "at": {}}),
+        "search_gauge_momenta": (vo.search_gauge_momenta, {
+            "system": x, "positions": 1, "integrals": (), "fields": {}}),
+        "exclude_rational_integrals": (vo.exclude_rational_integrals, {
+            "system": x, "degree": 1, "body": (X,)}),
         "closed_form": (vo.closed_form, {"system": _system("demchenko"), "initial": {"s": 1}}),
         "precessions": (vo.precessions, {"system": _system("demchenko"), "parameters": {}}),
         "closed.at": (_closed_form().at, {"times": SPAN, "names": ("u", "v")}),

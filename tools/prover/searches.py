@@ -17,6 +17,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -24,6 +25,8 @@ import sympy as sp
 import voronec as vo
 from voronec.errors import VoronecError
 
+RATIOS = ((1, 1), (-1, 1), (2, 3), (1, 2), (3, 2), (-1, 2), (2, 1), (-2, 1), (1, 3), (5, 4))
+"""epsilon = R1/(R1 + R2) of the rank test."""
 MANY = 9
 """Systems with more variables are searched for integrals of degree 1 in the positions."""
 
@@ -51,26 +54,23 @@ def main() -> int:
 def _of_system(system: Any) -> Iterator[tuple[str, str, str, float]]:
     for case, holder in (("", system), *system.cases.items()):
         at = dict(holder.parameters) if case else {}
-        declared = {
-            "measure": (holder.measure, lambda at=at: vo.search_measures(system, at=at)),
-            "multiplier": (
-                holder.multiplier, lambda at=at: vo.search_reducing_multipliers(system, at=at),
-            ),
-        }  # fmt: skip
-        for kind, (claim, search) in declared.items():
+        searches = {
+            "measure": (holder.measure, vo.search_measures),
+            "multiplier": (holder.multiplier, vo.search_reducing_multipliers),
+        }
+        for kind, (claim, search) in searches.items():
             if claim is not None or not case:
-                yield kind, case, *_timed(lambda c=claim, s=search: _density(c is not None, s()))
+                found = partial(_density, claim is not None, partial(search, system, at=at))
+                yield kind, case, *_with_seconds(found)
         if holder.integrals:
-            yield "integrals", case, *_timed(lambda h=holder, a=at: _integrals(system, h, a))
-        yield "symmetries", case, *_timed(lambda a=at: _proved(vo.search_symmetries(system, at=a)))
-        yield (
-            "gauge",
-            case,
-            *_timed(lambda a=at: _proved(vo.search_gauge_momenta(system, at=a, positions=1))),
-        )
+            yield "integrals", case, *_with_seconds(partial(_integrals, system, at))
+        symmetries = partial(vo.search_symmetries, system, at=at)
+        yield "symmetries", case, *_with_seconds(partial(_outcome, symmetries))
+        gauge = partial(vo.search_gauge_momenta, system, at=at, positions=1)
+        yield "gauge", case, *_with_seconds(partial(_outcome, gauge))
 
 
-def _timed(search: Callable[[], str]) -> tuple[str, float]:
+def _with_seconds(search: Callable[[], str]) -> tuple[str, float]:
     begin = time.process_time()
     try:
         outcome = search()
@@ -79,7 +79,8 @@ def _timed(search: Callable[[], str]) -> tuple[str, float]:
     return outcome, time.process_time() - begin
 
 
-def _density(declared: bool, result: Any) -> str:
+def _density(declared: bool, search: Callable[[], Any]) -> str:
+    result = search()
     if result.found is None:
         return "missed: declared, and not found" if declared else "none declared, none found"
     if not result.found.verdict.proved:
@@ -87,13 +88,17 @@ def _density(declared: bool, result: Any) -> str:
     return "declared, found and proved" if declared else "none declared, found and proved"
 
 
-def _proved(result: Any) -> str:
-    return f"proved: {result.statement}" if result.decided else f"not proved: {result.statement}"
+def _outcome(search: Callable[[], Any]) -> str:
+    result = search()
+    return f"proved: {result.statement}" if result.is_decided else f"not proved: {result.statement}"
 
 
-def _integrals(system: Any, holder: Any, at: Any) -> str:
+def _integrals(system: Any, at: Any) -> str:
     few = len(system.coordinates) + len(system.velocities) <= MANY or system.invariants
-    bounds = {"degree": 2, "positions": 3 if few and len(system.invariants) <= 4 else 1}
+    bounds: dict[str, Any] = {
+        "degree": 2,
+        "positions": 3 if few and len(system.invariants) <= 4 else 1,
+    }
     result = vo.search_integrals(system, again=True, at=at, **bounds)
     unproved = [f.name for f in result.integrals if not f.verdict.proved]
     if unproved:
@@ -110,8 +115,7 @@ def _rank(degree: int) -> int:
     untold = {k: v for k, v in plane.integrals.items() if k in sphere.integrals}
     plane = replace(plane, integrals=untold)  # the vertical momentum is what has to show
     ratio = sp.Rational
-    epsilons = [ratio(*e) for e in ((1, 1), (-1, 1), (2, 3), (1, 2), (3, 2), (-1, 2), (2, 1), (-2, 1),
-                                    (1, 3), (5, 4))]  # fmt: skip
+    epsilons = [ratio(a, b) for a, b in RATIOS]
     wheels = [(0, 0, 0), (0, 0, ratio(1, 2)), (ratio(3, 10), ratio(-1, 5), ratio(1, 2)), (1, 2, 0)]
     bodies = [(ratio(4, 10), ratio(5, 10), ratio(6 + k, 10)) for k in range(10)]
     radius = [f"I{i} + I{j} - I{k}" for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2))]
@@ -127,8 +131,9 @@ def _rank(degree: int) -> int:
                 body = (*radius, f"2*m*{name}^2 - I1 - I2 - I3")
                 found = vo.exclude_rational_integrals(system, degree, at=at, body=body)
                 shown = epsilon == 1 or (epsilon == -1 and not any(wheel))
-                new = not found.decided
-                count["integral shown" if shown else "none shown", "excess" if new else "none"] += 1
+                new = not found.is_decided
+                words = "integral shown" if shown else "none shown"
+                count[f"{words}, {'excess' if new else 'no excess'}"] += 1
                 count["formal values"] += bool(found.formal)
                 if new != shown:
                     wrong += 1

@@ -32,7 +32,7 @@ def execute(arguments: Namespace) -> int:
     result = getattr(search, function)(system, **options)
     text = [f"{system.name}: {arguments.kind}", "", *lines(result), "", result.statement]
     answer(arguments.json, result.as_dict, [line.replace("**", "^") for line in text])
-    return 0 if result.decided else 1
+    return 0 if result.is_decided else 1
 
 
 def _density(result: Any) -> list[str]:

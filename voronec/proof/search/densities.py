@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
+from math import comb
 from time import perf_counter
 from typing import Any
 
@@ -26,14 +27,13 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, VALUES, accepts
 from voronec.algebra.factors import irreducible_factors
 from voronec.algebra.matrices import determinant
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import operations
 from voronec.algebra.tape import Tape
-from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.algebra.verdicts import Verdict
 from voronec.declaration.claims import Measure
@@ -50,7 +50,7 @@ from voronec.proof.search.lifting import lift_vector
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
 from voronec.proof.search.residues import Array, free_columns
-from voronec.proof.search.search import parameter_values
+from voronec.proof.search.search import CLASS_LIMIT, parameter_values, read_expressions
 
 FACTORS = 60
 """So many factors are taken into an ansatz, the shortest first."""
@@ -93,7 +93,7 @@ class DensitySearch:
         return html_table(f"{self.kind} of {self.system}", rows)
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether something is proved: what was found, or that there is none."""
         return self.excluded if self.found is None else self.found.verdict.proved
 
@@ -113,10 +113,10 @@ class DensitySearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
+        return {**plain_data(self), "decided": self.is_decided, "statement": self.statement}
 
 
-@accepts()
+@accepts(exponent=COUNT, at=VALUES, seed=COUNT)
 def search_measures(
     system: System | VoronecEquations,
     *,
@@ -147,7 +147,7 @@ def search_measures(
     for level, moving in steps:
         field = motions.at(level)
         ansatz = _Ansatz.of(field, factors, exponent * moving, velocities=moving)
-        solved, excluded = ansatz.solve(np.random.default_rng(seed))
+        solved, excluded = ansatz.solve(np.random.default_rng(abs(seed)))
         found = None
         if solved is not None:
             variables = tuple(map(field.bridge.outward, field.variables))
@@ -161,7 +161,7 @@ def search_measures(
     return last
 
 
-@accepts()
+@accepts(at=VALUES, seed=COUNT)
 def search_reducing_multipliers(
     system: System | VoronecEquations,
     *,
@@ -185,7 +185,7 @@ def search_reducing_multipliers(
         ansatz = _Ansatz.of(
             field, factors, 0, velocities=False, weight=weight, scale=count - 1, base=_base(motions)
         )
-        solved, excluded = ansatz.solve(np.random.default_rng(seed))
+        solved, excluded = ansatz.solve(np.random.default_rng(abs(seed)))
     else:  # with one velocity all are, or none is
         ansatz, excluded = _Ansatz(field, (), (), None, 1, 0), False
         solved = se.Integer(1)
@@ -268,7 +268,12 @@ class _Ansatz:
             )  # fmt: skip
         base = len(field.positions) if base is None else base
         moving = {*field.positions[:base], *(field.velocities if velocities else ())}
-        own = [field.read(as_expression(f)) for f in given]
+        own = [*map(field.read, read_expressions(field.system, given, "factors"))]
+        count = comb(len(field.variables) + exponent, exponent) if exponent > 0 else 1
+        if count > CLASS_LIMIT:
+            raise EngineLimit(
+                f"the exponent has {count} monomials, more than {CLASS_LIMIT}; lower its degree"
+            )
         named = [] if field.determinant is None else [determinant(field.mass)]
         held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
@@ -296,7 +301,7 @@ class _Ansatz:
             return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
 
         powers = lift_vector(vector, len(pivots), probe, rng)
-        return self._written(dict(zip(pivots, powers, strict=True))), sure
+        return self._density(dict(zip(pivots, powers, strict=True))), sure
 
     def _probe(self) -> Probe:
         field = self.field
@@ -336,7 +341,7 @@ class _Ansatz:
         solved, _ = solve_each(turned, right, p)
         return total - sum(solved[i, i] for i in range(count))
 
-    def _written(self, powers: Mapping[int, Any]) -> Any:
+    def _density(self, powers: Mapping[int, Any]) -> Any:
         """The density by its powers; factors under roots are positive at some state."""
         named = None if self.field.determinant is None else determinant(self.field.mass)
         parts, exponents = [], []

@@ -20,14 +20,14 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, VALUES, accepts
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, shortest
 from voronec.algebra.terms import atoms
-from voronec.algebra.text import as_expression
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import Verdict, decide_zero
+from voronec.declaration.reading import fixed_mapping, quote
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
@@ -38,7 +38,7 @@ from voronec.proof.search.densities import motions_at
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
-from voronec.proof.search.search import search_integrals
+from voronec.proof.search.search import read_expressions, search_integrals
 from voronec.proof.search.symmetries import SPARE, lift_kernel
 
 CIRCULAR = (se.sin, se.cos, se.tan)
@@ -82,7 +82,7 @@ class GaugeSearch:
         return f"{momentum.kind}: {along}"
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether all integrals are proved."""
         return all(m.verdict.proved for m in self.momenta)
 
@@ -97,7 +97,7 @@ class GaugeSearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {**plain_data(self), "decided": self.decided, "statement": self.statement}
+        return {**plain_data(self), "decided": self.is_decided, "statement": self.statement}
 
 
 def write_field(components: Mapping[Any, Any]) -> str:
@@ -105,7 +105,7 @@ def write_field(components: Mapping[Any, Any]) -> str:
     return " + ".join(f"({plain_text(e)}) d/d{x}" for x, e in components.items()) or "0"
 
 
-@accepts()
+@accepts(positions=COUNT, fields=VALUES, at=VALUES, seed=COUNT)
 def search_gauge_momenta(
     system: System | VoronecEquations,
     *,
@@ -136,17 +136,17 @@ def search_gauge_momenta(
         raise EngineLimit("gauge momenta are searched where coordinates have velocities")
     found = search_integrals(motions.equations, degree=1, positions=positions, again=True)
     linear = [f.expression for f in found.integrals if f.verdict.proved]
-    linear += [as_expression(e) for e in integrals]
+    linear += read_expressions(motions.system, integrals, "integrals")
     symmetries = {f"Y{i + 1}": y for i, y in enumerate(_affine_symmetries(motions, seed))}
     for name, given in (fields or {}).items():
-        symmetries[name] = [
-            field.read(as_expression(given.get(q, given.get(str(q), 0))))
-            for q in motions.system.coordinates
-        ]
-        if not _leaves_lagrangian(motions, symmetries[name]):
-            raise DefinitionError(
-                f"the field '{name}' is not proved to leave the Lagrangian as it is"
-            )
+        place = f"the field '{quote(name)}'"
+        named = {str(q): c for q, c in fixed_mapping(given, place, "coordinate: component").items()}
+        read = [named.pop(str(q), 0) for q in motions.system.coordinates]
+        if named:
+            raise DefinitionError(f"{place} has no coordinate '{quote(next(iter(named)))}'")
+        symmetries[str(name)] = [*map(field.read, read_expressions(motions.system, read, place))]
+        if not _leaves_lagrangian(motions, symmetries[str(name)]):
+            raise DefinitionError(f"{place} is not proved to leave the Lagrangian as it is")
     momenta = [_gauge_momentum(motions, e, symmetries) for e in linear]
     coordinates = motions.system.coordinates
     shown = {
@@ -191,7 +191,7 @@ def _affine_symmetries(motions: Motions, seed: int) -> list[list[Any]]:
     }
     state = [*own.coordinates, se.Integer(1)]
     allowed = [i for i in range(n * (n + 1)) if state[i % (n + 1)] not in turning]
-    rng, found = np.random.default_rng(seed), []
+    rng, found = np.random.default_rng(abs(seed)), []
     for entries in lift_kernel(lambda v: table(v)[:, allowed], len(allowed) + SPARE, probe, rng):
         y = [se.Integer(0)] * n
         for place, weight in entries.items():

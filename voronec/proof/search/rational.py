@@ -25,7 +25,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, FLAG, VALUES, accepts
 from voronec.algebra.groebner import groebner_basis
 from voronec.algebra.matrices import dot
 from voronec.algebra.normal import canonical, quotient
@@ -42,7 +42,13 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import TRIES, Variety, solve_each
 from voronec.proof.search.residues import PRIMES, Array, as_residue, free_columns, inverse
-from voronec.proof.search.search import known_integrals, parameter_values, specialize_field
+from voronec.proof.search.search import (
+    known_integrals,
+    parameter_values,
+    read_expressions,
+    require_bound,
+    specialize_field,
+)
 
 SURPLUS = 10
 """Coefficients of a series, and points, beyond the number of unknowns."""
@@ -83,7 +89,7 @@ class RationalBound:
         return self.monomials - self.rank - self.explained
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether it is proved that there is no further rational integral up to the degree."""
         return self.excess == 0
 
@@ -96,7 +102,7 @@ class RationalBound:
             where += f" (formal: no body has these values, which violate {', '.join(self.formal)})"
         known = ", ".join(self.known) or "none but constants"
         form = f"of degree at most {self.degree} in {', '.join(self.letters)}"
-        if self.decided:
+        if self.is_decided:
             return f"No further rational integral {form}{where}. Known: {known}."
         return (
             f"Undecided: {self.excess} more polynomials {form} vanish on the orbits tried than the "
@@ -105,11 +111,11 @@ class RationalBound:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        numbers = {"excess": self.excess, "decided": self.decided, "statement": self.statement}
+        numbers = {"excess": self.excess, "decided": self.is_decided, "statement": self.statement}
         return {**plain_data(self), **numbers}
 
 
-@accepts()
+@accepts(degree=COUNT, at=VALUES, momenta=FLAG, seed=COUNT)
 def exclude_rational_integrals(
     system: System | VoronecEquations,
     degree: int = 4,
@@ -138,8 +144,7 @@ def exclude_rational_integrals(
     are not rational or the degree asks for more memory than there is.
     """
     begin = perf_counter()
-    if degree < 1:
-        raise DefinitionError(f"degree is {quote(degree)}; give a number from 1 upward")
+    require_bound("degree", degree, 1)
     motions = Motions.of(system)
     values = _numbers(motions, at or {})
     field = specialize_field(motions.field_for(()), values)
@@ -148,11 +153,11 @@ def exclude_rational_integrals(
         n: f for n, f in claims.items() if decide_zero(field.derivative(f), field.hypotheses).proved
     }
     flow = RationalFlow(field)
-    letters = _Letters.of(field, flow, known, momenta)
+    letters = _LetterFunctions.of(field, flow, known, momenta)
     _require_memory(len(letters.names), degree)
     exponents = letters.monomials(degree)
     rank = explained = 0
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(abs(seed))
     for p in letters.primes()[:ORBITS]:
         explained = max(explained, letters.rank_of_multiples(exponents, degree, p, rng))
         length = len(exponents) - explained + SURPLUS
@@ -168,7 +173,7 @@ def exclude_rational_integrals(
         monomials=len(exponents),
         rank=rank,
         explained=explained,
-        formal=_violated(motions.system, body, values),
+        formal=_violations(motions.system, body, values),
         seconds=perf_counter() - begin,
     )
 
@@ -192,10 +197,10 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     return {p.symbol: values[p.symbol] for p in needed}
 
 
-def _violated(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
+def _violations(system: System, body: Sequence[Any], values: Mapping[Any, Any]) -> tuple[str, ...]:
     """The conditions on the parameters that values do not meet."""
     named = {p.name: p.symbol for p in system.parameters}
-    known = [as_expression(e) for e in body]
+    known = read_expressions(system, body, "body")
     known = [e.xreplace({s: named.get(str(s), s) for s in e.free_symbols}) for e in known]
     conditions = [*system.conditions, *(sp.Ge(e, 0, evaluate=False) for e in known)]
     return tuple(plain_text(c) for c in conditions if c.xreplace(dict(values)).doit() == sp.false)
@@ -361,7 +366,7 @@ class RationalFlow:
 
 
 @dataclass(frozen=True)
-class _Letters:
+class _LetterFunctions:
     """What the polynomials of the test are polynomials in, by ``names``, as functions of the
     generators of a flow: numerators and then denominators.
 
@@ -378,7 +383,7 @@ class _Letters:
     @classmethod
     def of(
         cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
-    ) -> _Letters:
+    ) -> _LetterFunctions:
         ring, moving = flow.ring, [*field.velocities]
         own = (g for q in field.positions for g in (q, *flow.pairs.get(q, ())))
         still = [g for g in own if g in flow.place]
@@ -405,7 +410,7 @@ class _Letters:
         bound = _in_letters(order, relations)
         if bound is None:
             raise EngineLimit("the relations are no polynomials in the letters of the rank test")
-        return cls(flow, tuple(names), read, found, _leading(bound))
+        return cls(flow, tuple(names), read, found, _leading_monomials(bound))
 
     def primes(self) -> list[int]:
         """Primes that divide no denominator."""
@@ -514,7 +519,7 @@ def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
     return found
 
 
-def _leading(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
+def _leading_monomials(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
     """The leading monomials of a Groebner basis, by total degree first."""
     if not relations:
         return ()

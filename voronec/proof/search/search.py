@@ -34,7 +34,8 @@ from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
 from voronec.declaration.claims import Corrected
-from voronec.declaration.reading import quote
+from voronec.declaration.reading import expression as read_expression
+from voronec.declaration.reading import quote, several
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
 from voronec.equations.vector_field import VectorField
@@ -482,15 +483,14 @@ class SearchProblem:
     ) -> SearchProblem:
         """Read what the user handed in."""
         for name, number in (("degree", degree), ("positions", positions), ("power", power)):
-            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise DefinitionError(f"{name} is {quote(number)}; give a number from 0 upward")
+            require_bound(name, number)
         motions = Motions.of(system)
         given = _functions(motions.system, functions)
         below = [d if d == "mass" else as_expression(d) for d in denominators]
         plain = [*given.values(), *(d for d in below if d != "mass")]
         values = parameter_values(motions.system, at)
         new = {s for v in values.values() for s in v.free_symbols}
-        _check_symbols(motions.system, plain, new)
+        check_symbols(motions.system, plain, new)
         field = specialize_field(motions.field_for(plain), values)
         if field.existence.refuted:
             raise DefinitionError(f"system '{motions.system.name}': {field.existence.method}")
@@ -635,7 +635,22 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
     return found
 
 
-def _check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
+def require_bound(name: str, number: Any, least: int = 0) -> None:
+    """Refuse what is no bound on a degree."""
+    if not isinstance(number, int) or isinstance(number, bool) or number < least:
+        raise DefinitionError(f"{name} is {quote(number)}; give a number from {least} upward")
+
+
+def read_expressions(system: System, given: Any, place: str) -> list[sp.Expr]:
+    """Several expressions in symbols that a system has."""
+    exprs = several(given, place, "expression", (int, float))
+    found = [read_expression(as_expression(e), place) for e in exprs]
+    check_symbols(system, found, set())
+    return found
+
+
+def check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
+    """Refuse symbols that a system does not have."""
     known = {*system.known_symbols(), *system.invariant_symbols, *new}
     names = {str(s) for s in known}
     for expr in exprs:

@@ -25,7 +25,7 @@ import numpy as np
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.arguments import accepts
+from voronec.algebra.arguments import COUNT, VALUES, accepts
 from voronec.algebra.matrices import dot
 from voronec.algebra.typeset import html_table, plain_text
 from voronec.algebra.verdicts import Verdict
@@ -44,7 +44,7 @@ from voronec.proof.search.search import specialize_field
 
 SPARE = 12
 """Points beyond the number of unknowns."""
-DRAWN = 10**6
+LARGEST = 10**6
 """Parameters are drawn below it."""
 MAPS = 100_000
 """So many signed permutations are tried; where there are more, changes of sign alone."""
@@ -101,9 +101,10 @@ class SymmetrySearch:
         return html_table(f"symmetries of {self.system}", [*rows, ("statement", self.statement)])
 
     @property
-    def decided(self) -> bool:
+    def is_decided(self) -> bool:
         """Whether all that was found is proved."""
-        return all(f.verdict.proved for f in (*self.fields, *self.maps))
+        fields = all(f.verdict.proved for f in self.fields)
+        return fields and all(m.verdict.proved for m in self.maps)
 
     @property
     def statement(self) -> str:
@@ -117,10 +118,15 @@ class SymmetrySearch:
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
         texts = {"fields": [*map(str, self.fields)], "maps": [*map(str, self.maps)]}
-        return {**plain_data(self), **texts, "decided": self.decided, "statement": self.statement}
+        return {
+            **plain_data(self),
+            **texts,
+            "decided": self.is_decided,
+            "statement": self.statement,
+        }
 
 
-@accepts()
+@accepts(at=VALUES, seed=COUNT)
 def search_symmetries(
     system: System | VoronecEquations, *, at: Mapping[Any, Any] | None = None, seed: int = 1
 ) -> SymmetrySearch:
@@ -132,11 +138,12 @@ def search_symmetries(
     hold the time, or are too large.
     """
     begin, motions = perf_counter(), motions_at(system, at or {})
-    field, rng = motions.field_for(()), np.random.default_rng(seed)
+    field, rng = motions.field_for(()), np.random.default_rng(abs(seed))
     if any(field.time in e.free_symbols for e in field.entries):
         raise EngineLimit("equations that hold the time: their symmetries are not searched")
     fields = tuple(_affine_fields(field, rng))
-    maps, times, permuted, missing = (), list[int](), False, ""
+    maps: tuple[SymmetryMap, ...] = ()
+    times, permuted, missing = list[int](), False, ""
     try:
         flow, elements, permuted = _group(field, rng)
         maps = tuple(_proved_map(field, flow, a) for a in _generators(elements))
@@ -223,7 +230,7 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
     slopes = [se.Symbol(f"slope {i}") for i in range(size)]
     pushed = [dot(row, slopes) - clock * d for row, d in zip(turn, slopes, strict=True)]
 
-    def prolonged(row: Any) -> Any:
+    def prolong(row: Any) -> Any:
         """The change of an equation between the variables and their slopes."""
         return along(row) + dot(pushed, [row.diff(d) for d in slopes])
 
@@ -234,18 +241,18 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
         rows = _equations(field, slopes)
         back = [*zip(*turn[still:], strict=True)][still:]  # the transposed matrix of the velocities
         residuals = [
-            prolonged(e) - dot(row[:still], rows[:still]) + clock * e
+            prolong(e) - dot(row[:still], rows[:still]) + clock * e
             for e, row in zip(rows[:still], turn, strict=False)
         ]
         residuals += [
-            prolonged(e) + dot(row, rows[still:]) - (factor - clock) * e
+            prolong(e) + dot(row, rows[still:]) - (factor - clock) * e
             for e, row in zip(rows[still:], back, strict=True)
         ]
         found = found if found.proved else _vanish(field, [*kept, *residuals])
     if not found.proved:
         rows = [d - e for d, e in zip(slopes, field.components, strict=True)]
         changes = zip(rows, turn, strict=True)
-        residuals = [prolonged(e) - dot(own, rows) + clock * e for e, own in changes]
+        residuals = [prolong(e) - dot(own, rows) + clock * e for e, own in changes]
         found = _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(c) for x, c in zip(field.variables, y, strict=True) if c != 0}
@@ -260,7 +267,7 @@ def _group(field: VectorField, rng: Any) -> tuple[RationalFlow, list[Element], b
     """The signed permutations of the generators of a flow that take motions to motions, and whether
     more than changes of sign were tried."""
     held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
-    drawn = {s: int(rng.integers(2, DRAWN)) for s in field.parameters if s in held}
+    drawn = {s: int(rng.integers(2, LARGEST)) for s in field.parameters if s in held}
     values = {field.bridge.outward(s): sp.Integer(n) for s, n in drawn.items()}
     flow, p = RationalFlow(specialize_field(field, values)), PRIMES[0]
     size = len(flow.generators)
@@ -280,10 +287,10 @@ def _group(field: VectorField, rng: Any) -> tuple[RationalFlow, list[Element], b
 def _generators(elements: Sequence[Element]) -> list[Element]:
     """Elements that generate all, those that move least first."""
 
-    def moved(e: Element) -> tuple[int, ...]:
+    def extent(e: Element) -> tuple[int, ...]:
         return (sum(i != o for i, o in enumerate(e[0])), sum(s < 0 for s in e[1]), -e[2])
 
-    unit, *rest = sorted(elements, key=moved)
+    unit, *rest = sorted(elements, key=extent)
     made, chosen = {unit}, list[Element]()
     for element in rest:
         if element not in made:
@@ -306,11 +313,14 @@ def _arrangements(flow: RationalFlow) -> list[tuple[int, ...]]:
     place, field, size = flow.place, flow.field, len(flow.generators)
     plain = [(place[x],) for x in field.positions if x in place and x not in flow.pairs]
     pairs = [(place[c], place[s]) for c, s in flow.pairs.values()]
-    groups = [plain, pairs, [(place[v],) for v in field.velocities]]
+    groups: list[list[tuple[int, ...]]] = [
+        [*plain],
+        [*pairs],
+        [(place[v],) for v in field.velocities],
+    ]
     if prod(factorial(len(g)) for g in groups) * 2**size > MAPS:
         return [tuple(range(size))]
-    places = [i for group in groups for one in group for i in one]
-    found = []
+    places, found = [i for group in groups for one in group for i in one], []
     for chosen in product(*map(permutations, groups)):
         moved = dict(
             zip(places, [i for group in chosen for one in group for i in one], strict=True)
@@ -322,7 +332,7 @@ def _arrangements(flow: RationalFlow) -> list[tuple[int, ...]]:
 def _is_map(flow: RationalFlow, element: Element) -> bool:
     """Whether an angle that stands bare too is mapped as its cosine and sine are."""
     place, (order, signs, _) = flow.place, element
-    both = [(place[a], *map(place.get, pair)) for a, pair in flow.pairs.items() if a in place]
+    both = [(place[a], place[c], place[s]) for a, (c, s) in flow.pairs.items() if a in place]
     return all(order[c] == c and signs[c] > 0 and signs[q] == signs[s] for q, c, s in both)
 
 
