@@ -301,8 +301,8 @@ def _choose(found: IntegralMap, named: Sequence[str]) -> tuple[list[str], list[s
             f"system '{system}': {' and '.join(named)} depend on one another; take another axis"
         )
     if len(independent) < 2:
-        known = found.phase.system.parameter_names
-        other = f": axes=('{independent[0]}', '{[*known][0]}')" if known and independent else ""
+        one = next(iter(found.phase.system.parameter_names), "")
+        other = f": axes=('{independent[0]}', '{one}')" if one and independent else ""
         raise DefinitionError(
             f"system '{system}': its proved integrals are functions of one alone, "
             f"{', '.join(independent) or 'which is constant'}; take a parameter for the other "

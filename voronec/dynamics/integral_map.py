@@ -7,15 +7,15 @@ constraint gives with a divisor, omega3 = -(omega1 gamma1 + omega2 gamma2)/gamma
 variable, and gamma3 omega3 + omega1 gamma1 + omega2 gamma2 = 0 a relation: nothing is infinite
 where gamma3 = 0.
 
-Where a velocity w is a factor of rates, x' = w Y(x), and Y holds no variables but these x, they move
-on the curves of Y, and their values at one place of these are integrals.  Of a rolling disc Legendre
-functions give them, of bodies of revolution hypergeometric ones [Appell1900, Chaplygin1897]; here
-they are computed, by steps along Y.
+Where a velocity w is a factor of rates, x' = w Y(x), and Y holds no variables but these x, they
+move on the curves of Y, and their values at one place of these are integrals.  Of a rolling disc
+Legendre functions give them, of bodies of revolution hypergeometric ones [Appell1900,
+Chaplygin1897]; here they are computed, by steps along Y.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -35,10 +35,9 @@ from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.request import number
-from voronec.motion.state_probe import at_each
 
 STEPS = 6
-"""Steps of Dormand and Prince's method of order 8 along Y: nine digits, but near singular points."""
+"""Steps of Dormand and Prince's method of order 8 along Y: nine digits, less near its poles."""
 EXACT = 1e-3
 """The largest error of the embedded method of order 5, in the units of the variables."""
 NUDGE = 1e-5
