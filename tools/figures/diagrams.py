@@ -41,8 +41,11 @@ SYSTEMS: dict[str, dict[str, Any]] = {
     },
     "bobylev-ball": {},
 }
-STARTS, PACES, INSTANTS = 8, 600, 2500
+STARTS, PACES, INSTANTS = 6, 250, 1200
 """Motions from each place, how many times the unit of the velocities they go, and instants."""
+LONGER = 8
+"""Motions that fill more tori than are told are followed so many times as long: they can only
+come nearer to each other."""
 CHUNK = 40
 """Places whose motions are held in memory together."""
 AWAY = 0.01
@@ -61,7 +64,7 @@ def main() -> int:
         diagram = vo.bifurcation_diagram(vo.load(name), **SYSTEMS[name])
         seconds, cpu = time.perf_counter() - began, time.process_time() - used
         places, told = _places(diagram, given.places)
-        found = (_closed_orbits if name == "falling-disc" else _tori)(diagram, places)
+        found = (_closed_orbits if name == "falling-disc" else _tori)(diagram, places, told)
         off = [(p, t, f) for p, t, f in zip(places.tolist(), told, found, strict=True) if t != f]
         counts = {n: told.count(n) for n in sorted({*told}, key=str)}
         print(
@@ -101,7 +104,7 @@ def _places(diagram: Any, count: int) -> tuple[np.ndarray, list[Any]]:
     return np.array(places), told
 
 
-def _tori(diagram: Any, places: np.ndarray) -> list[int]:
+def _tori(diagram: Any, places: np.ndarray, told: list[Any]) -> list[int]:
     """How many tori the motions from each place fill."""
     system = diagram.system
     equations = vo.derive(system)
@@ -138,25 +141,45 @@ def _tori(diagram: Any, places: np.ndarray) -> list[int]:
                 met += 1
             if met == STARTS or (not met and _ > 2 * STARTS):
                 break
-    found, known = [0] * len(places), {*system.invariants, *map(str, system.velocities)}
-    # (omega, gamma) = 0 of bodies that do not twist
-    watched = [n if n in known else "-(omega1*gamma1 + omega2*gamma2)/gamma3"
-               for n in diagram.map.variables]  # fmt: skip
-    until = PACES / float(np.abs(diagram.map.units[-1]))
+    found, longer = [0] * len(places), list[int]()
     for first in range(0, len(places), CHUNK):
         chosen = [i for i, k in enumerate(owners) if first <= k < first + CHUNK]
-        if not chosen:
-            continue
-        columns = np.array([starts[i] for i in chosen]).T
-        run = vo.ensemble(
-            system, dict(zip(map(str, state), columns, strict=True)), outputs=watched,
-            times=np.linspace(0, until, INSTANTS), tol=1e-10,
-        )  # fmt: skip
-        paths = np.stack([run[name] for name in watched], axis=-1)
-        for k in {owners[i] for i in chosen}:
-            own = [p for i, p in zip(chosen, paths, strict=True)
-                   if owners[i] == k and np.isfinite(p).all()]  # fmt: skip
-            found[k] = _clusters(own)
+        for k, count in _count(diagram, state, starts, owners, chosen, 1).items():
+            found[k] = count
+            longer += [k] * (count > told[k])
+    # the nearer motions are to a resonance, the longer they take to come near each other
+    chosen = [i for i, k in enumerate(owners) if k in longer]
+    for k, count in _count(diagram, state, starts, owners, chosen, LONGER).items():
+        found[k] = count
+    return found
+
+
+def _count(
+    diagram: Any, state: list[Any], starts: list[Any], owners: list[int], chosen: list[int],
+    times: int,
+) -> dict[int, int]:  # fmt: skip
+    """How many tori the chosen motions of each place fill, followed so many times as long."""
+    if not chosen:
+        return {}
+    system = diagram.system
+    known = {*system.invariants, *map(str, system.velocities)}
+    # (omega, gamma) = 0 of bodies that do not twist
+    watched = [
+        n if n in known else "-(omega1*gamma1 + omega2*gamma2)/gamma3"
+        for n in diagram.map.variables
+    ]
+    until = times * PACES / float(np.abs(diagram.map.units[-1]))
+    columns = np.array([starts[i] for i in chosen]).T
+    run = vo.ensemble(
+        system, dict(zip(map(str, state), columns, strict=True)), outputs=watched,
+        times=np.linspace(0, until, times * INSTANTS), tol=1e-10,
+    )  # fmt: skip
+    paths = np.stack([run[name] for name in watched], axis=-1)
+    found = {}
+    for k in {owners[i] for i in chosen}:
+        own = [p for i, p in zip(chosen, paths, strict=True)
+               if owners[i] == k and np.isfinite(p).all()]  # fmt: skip
+        found[k] = _clusters(own)
     return found
 
 
@@ -173,7 +196,7 @@ def _clusters(paths: list[np.ndarray]) -> int:
     return int(connected_components(graph, directed=False)[0])
 
 
-def _closed_orbits(diagram: Any, places: np.ndarray) -> list[int]:
+def _closed_orbits(diagram: Any, places: np.ndarray, _told: Any) -> list[int]:
     """How many stretches of the lean there are on which its rate is real."""
     m, R, A, C, g = (float(p.value) for p in diagram.system.parameters)
     (s,) = diagram.held.values()

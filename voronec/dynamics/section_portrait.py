@@ -75,7 +75,7 @@ def _reflections(section: Section) -> tuple[tuple[int, int], ...]:
     or plane are no variables."""
     names = (section.plane, *section.outputs[:2])
     values = {n: float(np.asarray(v).flat[0]) for n, v in section.parameters.items()}
-    state: dict[Any, Any] = {n: 0.1 for n in section.outputs}
+    state: dict[Any, Any] = dict.fromkeys(section.outputs, 0.1)
     try:
         scene = None if "default" in section.system.scenes else state
         space = PhaseSpace.of(section.system, None, scene, values, None, names)
