@@ -44,7 +44,7 @@ NUDGE = 1e-5
 """The step of central differences, whose error is about its square."""
 ITERATIONS = 25
 """Steps of Newton's method towards a level."""
-MET = 1e-10
+CLOSE = 1e-10
 """A point lies on a level where its integrals are met to this, in their sizes."""
 GENERIC = 1e-8
 """Gradients at random points depend on one another where a singular value is below this."""
@@ -152,7 +152,7 @@ class IntegralMap:
             sizes = np.maximum(sizes, 1e-3 * longest + 1e-300)
             off, matrix = off / sizes, matrix / sizes[..., None]
             finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
-            near = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
+            near = finite & (np.abs(off).max(axis=1, initial=0.0) < CLOSE)
             met[todo[near]] = True
             goes_on = finite & ~near
             todo, off, matrix = todo[goes_on], off[goes_on], matrix[goes_on]
@@ -226,15 +226,15 @@ class CarriedIntegrals:
                 signs.append(np.sign(found[..., width:].real))
                 return step[..., None] * found[..., :width]
 
-            def weighted(row: np.ndarray, stages: list[Any]) -> Any:
+            def weighted_sum(row: np.ndarray, stages: list[Any]) -> Any:
                 return sum(a * k for a, k in zip(row, stages, strict=False) if a)
 
             for _ in range(STEPS):
                 stages: list[Any] = []
                 for row in DOP853.A[: DOP853.n_stages]:
-                    stages.append(field(here + weighted(row, stages)))
-                here = here + weighted(DOP853.B, stages)
-                wrong = np.abs(weighted(DOP853.E5, stages))
+                    stages.append(field(here + weighted_sum(row, stages)))
+                here = here + weighted_sum(DOP853.B, stages)
+                wrong = np.abs(weighted_sum(DOP853.E5, stages))
                 error = np.maximum(error, wrong.max(axis=-1))
         beyond = np.any([s != signs[-1] for s in signs], axis=(0, -1)) | ~(error < EXACT)
         return np.where(beyond[..., None], np.nan, here[..., [*map(self.own.index, self.carried)]])
@@ -280,7 +280,7 @@ def integral_map(
         read = {name: flow.read(f) for name, f in functions.items()}
         read = dict(zip(read, canonical([*read.values()], flow.relations), strict=True))
     known = [p.name for p in own.parameters]
-    kept = _needed(flow, [*read.values()])
+    kept = _variables_of(flow, [*read.values()])
     relations, formulas, more = _lift(motions, flow, [*read.values()])
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
     values = {se.Symbol(n): _exact(own, n, x) for n, x in numbers.items() if n not in moving}
@@ -312,7 +312,7 @@ def _exact(system: Any, name: str, value: float) -> Any:
     return se.sympify(declared if same else value)
 
 
-def _needed(flow: VectorField, formulas: Sequence[Any]) -> tuple[Any, ...]:
+def _variables_of(flow: VectorField, formulas: Sequence[Any]) -> tuple[Any, ...]:
     """The variables of which integrals, accelerations and relations are functions."""
     rates = dict(zip(flow.positions, flow.rates, strict=True))
     kept = {*flow.velocities}.union(*(e.free_symbols for e in (*formulas, *flow.accelerations)))

@@ -25,7 +25,7 @@ from voronec.motion import Section
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SETTLED = 3e-3
+LARGEST_BAR = 3e-3
 """Rotation numbers with larger bars are none."""
 
 
@@ -40,11 +40,11 @@ class SectionPortrait:
 
     def plot(self) -> Figure:
         """A panel for each section: dots in the colour of the motion's rotation number, grey where
-        it has none or its bar is larger than ``SETTLED``, as where the motion is chaotic; with
+        it has none or its bar is larger than ``LARGEST_BAR``, as where the motion is chaotic; with
         their images under the reflections, and the fixed lines of these."""
         from voronec.motion.pictures.section_picture import plot_levels
 
-        values = [np.where(n.bars < SETTLED, n.values, np.nan) for n in self.numbers]
+        values = [np.where(n.bars < LARGEST_BAR, n.values, np.nan) for n in self.numbers]
         return plot_levels(self.sections, values, self.reflections, "rotation number")
 
 
