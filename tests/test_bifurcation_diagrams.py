@@ -10,7 +10,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.cli import main
-from voronec.dynamics import integral_map
+from voronec.dynamics import integral_map_of
 
 x, y = sp.symbols("x y")
 vx, vy = vo.velocity(x), vo.velocity(y)
@@ -117,7 +117,7 @@ def test_curves_of_chaplygins_ball_end_at_its_steady_motions():
 
 def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     disc = vo.load("falling-disc")
-    found = integral_map(disc, None, {})
+    found = integral_map_of(disc, None, {})
     assert found.integrals == ("energy", "q where theta = 0", "s where theta = 0")
     motion = vo.integrate(disc, times=np.linspace(0, 5, 41))
     points = np.column_stack([motion[name] for name in found.variables])

@@ -41,13 +41,16 @@ SYSTEMS: dict[str, dict[str, Any]] = {
     },
     "bobylev-ball": {},
 }
-STARTS, PACES, INSTANTS = 6, 250, 1200
+STARTS, PACES, INSTANTS = 12, 150, 700
 """Motions from each place, how many times the unit of the velocities they go, and instants."""
 LONGER = 8
 """Motions that fill more tori than are told are followed so many times as long: they can only
 come nearer to each other."""
 CHUNK = 40
 """Places whose motions are held in memory together."""
+NEAR = 0.05
+"""Motions nearer than this part of the sizes of variables lie on one torus: near resonances they
+are closed curves, and come no nearer."""
 AWAY = 0.01
 """Places nearer than this part of the window to a curve are not looked at."""
 
@@ -192,7 +195,7 @@ def _clusters(paths: list[np.ndarray]) -> int:
     for i in range(len(paths)):
         for j in range(i):
             gap = trees[i].query(trees[j].data)[0].min()
-            graph[i, j] = gap < 2 * max(spacing[i], spacing[j])
+            graph[i, j] = gap < max(NEAR, 2 * spacing[i], 2 * spacing[j])
     return int(connected_components(graph, directed=False)[0])
 
 

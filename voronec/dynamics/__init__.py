@@ -5,15 +5,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from voronec.dynamics.integral_map import integral_map
+    from voronec.dynamics.integral_map import integral_map_of
     from voronec.dynamics.phase_space import PhaseSpace
     from voronec.dynamics.variational import variational_flow
 
-__all__ = ["PhaseSpace", "integral_map", "variational_flow"]
+__all__ = ["PhaseSpace", "integral_map_of", "variational_flow"]
 
 _HOME = {
     "PhaseSpace": "phase_space",
-    "integral_map": "integral_map",
+    "integral_map_of": "integral_map",
     "variational_flow": "variational",
 }
 

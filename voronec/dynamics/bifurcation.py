@@ -23,13 +23,13 @@ from voronec.declaration.reading import several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.bifurcation_curves import CriticalCurve, CriticalPoints, critical_curves
 from voronec.dynamics.bifurcation_regions import (
+    DiagramRegion,
     LevelComponents,
     Raster,
-    DiagramRegion,
     level_components,
     regions_of,
 )
-from voronec.dynamics.integral_map import IntegralMap, integral_map
+from voronec.dynamics.integral_map import IntegralMap, integral_map_of
 from voronec.dynamics.steady import SteadyMotion, steady
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -235,7 +235,7 @@ def bifurcation_diagram(
     parameters: Mapping[Any, Any] | None = None,
     between: Mapping[Any, Sequence[Any]] | None = None,
     scene: Any = None,
-    starts: int = 40,
+    starts: int = 60,
     seed: int = 1,
 ) -> BifurcationDiagram:
     """The bifurcation diagram of the integral map of a system, computed.
@@ -260,7 +260,7 @@ def bifurcation_diagram(
         plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")
     ]
     moving = [a for a in named if a in own.parameter_names]
-    found = integral_map(system, scene, parameters or {}, moving)
+    found = integral_map_of(system, scene, parameters or {}, moving)
     chosen, free = _choose(found, named)
     held = _values_of_others(found, free, at or {})
     rows = [*range(found.relations), *found.places([*held, *chosen])]

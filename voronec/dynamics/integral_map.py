@@ -105,7 +105,7 @@ class IntegralMap:
             found = compile_program(program)[1](np.float64(0.0), [*x.T], [])
         jets = [np.zeros((m, len(self.constants), *(n,) * k)) for k in range(order + 1)]
         for place, value in zip(places, found, strict=True):
-            jets[len(place) - 1][:, *place] = value
+            jets[len(place) - 1][(slice(None), *place)] = value
         if self.carried is not None:
             own = self.carried.jet(x, order)
             for k, values in enumerate(own):
@@ -221,8 +221,8 @@ class CarriedIntegrals:
             error = np.zeros(step.shape)
 
             def field(z: np.ndarray) -> np.ndarray:
-                found = slope(np.float64(0.0), [z[..., i] for i in range(width)], [])
-                found = np.stack([np.broadcast_to(f, step.shape) for f in found], axis=-1)
+                parts = slope(np.float64(0.0), [z[..., i] for i in range(width)], [])
+                found = np.stack([np.broadcast_to(f, step.shape) for f in parts], axis=-1)
                 signs.append(np.sign(found[..., width:].real))
                 return step[..., None] * found[..., :width]
 
@@ -255,7 +255,7 @@ class CarriedIntegrals:
         return jets
 
 
-def integral_map(
+def integral_map_of(
     system: Any, scene: Any, parameters: Mapping[Any, Any], moving: Sequence[str] = ()
 ) -> IntegralMap:
     """The integral map of a system with the values of a scene and of ``parameters``; parameters
@@ -328,7 +328,7 @@ def _lift(
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """The relations, the formulas and further variables, where velocities that have divisors are
     variables."""
-    relations, more = [*flow.independent_relations], []
+    relations, more = [*flow.independent_relations], list[Any]()
     frame = motions.system.frame
     for name, meaning in (frame.beside if frame and flow.level == "invariants" else {}).items():
         try:
