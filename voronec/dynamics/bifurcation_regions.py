@@ -173,7 +173,7 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
         cells = cells[(cells >= 0).all(axis=1) & (cells < CELLS).all(axis=1)]
         free[*cells.T] = False
     found, count = ndimage.label(free)
-    labels, regions = np.full(free.shape, -1), []
+    labels, regions = np.full(free.shape, -1), list[DiagramRegion]()
     for k in range(1, count + 1):
         inside = found == k
         if inside.sum() < FEWEST:

@@ -105,7 +105,8 @@ class IntegralMap:
             found = compile_program(program)[1](np.float64(0.0), [*x.T], [])
         jets = [np.zeros((m, len(self.constants), *(n,) * k)) for k in range(order + 1)]
         for place, value in zip(places, found, strict=True):
-            jets[len(place) - 1][(slice(None), *place)] = value
+            index: Any = (slice(None), *place)
+            jets[len(place) - 1][index] = value
         if self.carried is not None:
             own = self.carried.jet(x, order)
             for k, values in enumerate(own):
@@ -127,7 +128,7 @@ class IntegralMap:
         return np.random.default_rng(seed).normal(size=(count, len(self.units))) * self.units
 
     def project(
-        self, x: np.ndarray, rows: Sequence[int], targets: Sequence[float], reach: float = np.inf
+        self, x: np.ndarray, rows: Sequence[int], targets: Any, reach: float = np.inf
     ) -> np.ndarray:
         """The points (m', n) of a level to which those of x (m, n) lead by Newton's method, in the
         least steps; those that lead to none, or further than ``reach`` in the units, are left
@@ -137,7 +138,7 @@ class IntegralMap:
         return found[met]
 
     def settle(
-        self, x: np.ndarray, rows: Sequence[int], targets: Sequence[float]
+        self, x: np.ndarray, rows: Sequence[int], targets: Any
     ) -> tuple[np.ndarray, np.ndarray]:
         """The points (m, n) to which Newton's method leads, and which of them (m,) lie on the
         level."""
