@@ -127,14 +127,11 @@ class IntegralMap:
         """Points (count, n) of the usual sizes, which lie on no level."""
         return np.random.default_rng(seed).normal(size=(count, len(self.units))) * self.units
 
-    def project(
-        self, x: np.ndarray, rows: Sequence[int], targets: Any, reach: float = np.inf
-    ) -> np.ndarray:
+    def project(self, x: np.ndarray, rows: Sequence[int], targets: Any) -> np.ndarray:
         """The points (m', n) of a level to which those of x (m, n) lead by Newton's method, in the
-        least steps; those that lead to none, or further than ``reach`` in the units, are left
-        out.  Relations are met first of all ``rows``, which have the values of ``targets``."""
+        least steps; those that lead to none are left out.  The last of the ``rows`` have the values
+        of ``targets``, those before them, relations, are zero."""
         found, met = self.settle(x, rows, targets)
-        met &= np.linalg.norm((found - x) / self.units, axis=1) <= reach
         return found[met]
 
     def settle(
