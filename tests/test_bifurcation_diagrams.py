@@ -10,8 +10,7 @@ import sympy as sp
 
 import voronec as vo
 from voronec.cli import main
-from voronec.dynamics.integral_map import integral_map
-from voronec.errors import DefinitionError
+from voronec.dynamics import integral_map_of
 
 x, y = sp.symbols("x y")
 vx, vy = vo.velocity(x), vo.velocity(y)
@@ -79,9 +78,9 @@ def test_a_point_answers_with_a_motion_on_its_level():
         assert len({*np.sign(motion["x"])}) == 1
         sides |= {*np.sign(motion["x"])}
     assert sides == {-1, 1}
-    with pytest.raises(DefinitionError, match="has 2 tori: there is no number 2"):
+    with pytest.raises(vo.DefinitionError, match="has 2 tori: there is no number 2"):
         found.motion(-0.1, 0.2, 2)
-    with pytest.raises(DefinitionError, match="has no motions"):
+    with pytest.raises(vo.DefinitionError, match="has no motions"):
         found.start(-0.35, 0.2)
 
 
@@ -118,7 +117,7 @@ def test_curves_of_chaplygins_ball_end_at_its_steady_motions():
 
 def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     disc = vo.load("falling-disc")
-    found = integral_map(disc, None, {})
+    found = integral_map_of(disc, None, {})
     assert found.integrals == ("energy", "q where theta = 0", "s where theta = 0")
     motion = vo.integrate(disc, times=np.linspace(0, 5, 41))
     points = np.column_stack([motion[name] for name in found.variables])
@@ -157,7 +156,7 @@ def test_diagrams_are_drawn_and_saved(tmp_path):
     ],
 )
 def test_what_is_no_diagram_is_refused_in_one_line(declared, asked, words):
-    with pytest.raises(DefinitionError) as refusal:
+    with pytest.raises(vo.DefinitionError) as refusal:
         vo.bifurcation_diagram(double_well(**declared), **asked)
     assert words in str(refusal.value) and "\n" not in str(refusal.value)
 

@@ -4,6 +4,7 @@ numbers, against closed forms, finite differences in many digits and published v
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -443,6 +444,24 @@ def test_the_command_line_tells_orbits(capsys: pytest.CaptureFixture[str]) -> No
     assert "spectrally stable" in capsys.readouterr().out
     assert main(["periodic", "falling-disc", "--along", "radius=2"]) == 2
     assert "neither a proved integral nor a parameter" in capsys.readouterr().err
+
+
+def test_portraits_of_henon_and_heiles_are_symmetric_and_tell_chaos() -> None:
+    sections = []
+    for energy, lows in ((1 / 12, (0.1, 0.3)), (1 / 8, (0.3, -0.15))):
+        rows = [
+            {"x": 0, "y": low, vy: 0, vx: float(np.sqrt(2 * energy - low**2 + 2 * low**3 / 3))}
+            for low in lows
+        ]
+        sections.append(vo.section(henon_heiles(), "x", ("y", "ydot"), starts=rows, crossings=150))
+    found = vo.section_portrait(sections)
+    # (x, y) -> (-x, y) with the time reversed keeps x = 0 and the crossings upwards
+    assert found.reflections == ((1, -1),)
+    assert found.numbers[0].bars.max() < 1e-4 < 3e-3 < found.numbers[1].bars[1]
+    panels = found.plot().axes
+    assert [panel.get_xlabel() for panel in panels[:2]] == ["$y$", "$y$"]
+    with pytest.raises(vo.DefinitionError, match="differ in their system, plane"):
+        vo.section_portrait([sections[0], replace(sections[0], value=1.0)])
 
 
 def test_rotation_numbers_of_independent_oscillators_are_quotients() -> None:

@@ -15,6 +15,7 @@ readable     the equations that are printed against those of books, and what the
 orbits       families of periodic orbits; Lyapunov exponents beside C by hand and published values
 sweep        sweeps beside heyoka's lanes by hand, their memory, kills on a cluster of Dask
 dynamics     steady motions: families, spectra, critical values
+diagrams     bifurcation diagrams: eight, and what motions from random places say of them
 doubts       how often the check of runs doubts what is right, and notices what is wrong
 """
 
@@ -35,6 +36,7 @@ KINDS = {
     "readable": "figures.readable",
     "doubts": "figures.doubts",
     "dynamics": "figures.steady_motions",
+    "diagrams": "figures.diagrams",
     "orbits": "figures.orbits",
     "sweep": "figures.sweeps",
 }

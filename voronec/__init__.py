@@ -50,9 +50,9 @@ if TYPE_CHECKING:
     from voronec.declaration.shapes import Shape as Shape
     from voronec.declaration.sketch import Sketch as Sketch
     from voronec.declaration.system import System as System
-    from voronec.dynamics.charts import SteadyChart as SteadyChart
     from voronec.dynamics.bifurcation import BifurcationDiagram as BifurcationDiagram
     from voronec.dynamics.bifurcation import bifurcation_diagram as bifurcation_diagram
+    from voronec.dynamics.charts import SteadyChart as SteadyChart
     from voronec.dynamics.exponents import Exponents as Exponents
     from voronec.dynamics.exponents import exponents as exponents
     from voronec.dynamics.families import SteadyFamily as SteadyFamily
@@ -60,6 +60,8 @@ if TYPE_CHECKING:
     from voronec.dynamics.orbits import PeriodicOrbit as PeriodicOrbit
     from voronec.dynamics.periodic import periodic as periodic
     from voronec.dynamics.rotation import rotation_numbers as rotation_numbers
+    from voronec.dynamics.section_portrait import SectionPortrait as SectionPortrait
+    from voronec.dynamics.section_portrait import section_portrait as section_portrait
     from voronec.dynamics.steady import SteadyMotion as SteadyMotion
     from voronec.dynamics.steady import SteadyMotions as SteadyMotions
     from voronec.dynamics.steady import stability as stability
@@ -149,6 +151,7 @@ _HOME = {
         "dynamics.orbits": "OrbitFamily PeriodicOrbit",
         "dynamics.periodic": "periodic",
         "dynamics.rotation": "rotation_numbers",
+        "dynamics.section_portrait": "SectionPortrait section_portrait",
         "dynamics.steady": "stability steady SteadyMotion SteadyMotions",
         "equations.linearisation": "Linearisation linearise",
         "equations.reduction": "descend Reduction",

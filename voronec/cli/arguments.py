@@ -304,7 +304,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _several("--set NAME=VALUE", "another value of a parameter" + OFTEN),
         _several("--between NAME=A:B", "from where to where an axis goes" + OFTEN),
         Option("--scene S", "the scene whose start tells of usual sizes ('default')"),
-        _number("starts", 40, "searches"), _number("seed", 1, "of the random starts"),
+        _number("starts", 60, "searches"), _number("seed", 1, "of the random starts"),
         Option("--out DIR", "folder for bifurcation.csv and bifurcation.svg"),
     ),
     "sweep": (

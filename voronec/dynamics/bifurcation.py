@@ -23,13 +23,13 @@ from voronec.declaration.reading import several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.bifurcation_curves import CriticalCurve, CriticalPoints, critical_curves
 from voronec.dynamics.bifurcation_regions import (
+    DiagramRegion,
     LevelComponents,
     Raster,
-    Region,
     level_components,
     regions_of,
 )
-from voronec.dynamics.integral_map import IntegralMap, integral_map
+from voronec.dynamics.integral_map import IntegralMap, integral_map_of
 from voronec.dynamics.steady import SteadyMotion, steady
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -57,7 +57,7 @@ class BifurcationDiagram:
     ``steady`` are steady motions with the values that are held, ``steady_values`` (k, 2) where they
     stand.  ``regions`` are told where levels are closed orbits or tori, ``is_integrable``, else
     there are none.  All of it is computed, not proved; that the integrals are integrals is proved,
-    but for those in ``carried``, which are computed along curves.
+    but for those ``without_formula``, which are computed along curves.
     """
 
     system: System
@@ -87,12 +87,12 @@ class BifurcationDiagram:
         return self.raster is not None
 
     @property
-    def regions(self) -> tuple[Region, ...]:
+    def regions(self) -> tuple[DiagramRegion, ...]:
         """The regions between the curves; none where the system is not integrable."""
         return self.raster.regions if self.raster else ()
 
     @property
-    def carried(self) -> tuple[str, ...]:
+    def without_formula(self) -> tuple[str, ...]:
         """Integrals that have no formula; see ``integral_map``."""
         return self.map.carried.names if self.map.carried else ()
 
@@ -188,8 +188,8 @@ class BifurcationDiagram:
         """What is found, in words."""
         held = ", ".join(f"{name} = {value:.6g}" for name, value in self.held.items())
         found = [f"{self.system.name}: {' against '.join(self.axes)}{f'; {held}' if held else ''}"]
-        if self.carried:
-            found.append(f"  without formulas, computed: {', '.join(self.carried)}")
+        if self.without_formula:
+            found.append(f"  without formulas, computed: {', '.join(self.without_formula)}")
         for curve in self.curves:
             kinds = ", ".join(dict.fromkeys(curve.kinds.tolist()))
             ends = [f"({x:.5g}, {y:.5g})" for x, y in curve.values[[0, -1]]]
@@ -212,7 +212,7 @@ class BifurcationDiagram:
         return {
             "system": self.system.name, "axes": list(self.axes), "held": dict(self.held),
             "window": self.window.tolist(), "integrable": self.is_integrable,
-            "integrals without formulas": list(self.carried),
+            "integrals without formulas": list(self.without_formula),
             "curves": [
                 {"values": c.values.tolist(), "kinds": c.kinds.tolist()} for c in self.curves
             ],
@@ -235,7 +235,7 @@ def bifurcation_diagram(
     parameters: Mapping[Any, Any] | None = None,
     between: Mapping[Any, Sequence[Any]] | None = None,
     scene: Any = None,
-    starts: int = 40,
+    starts: int = 60,
     seed: int = 1,
 ) -> BifurcationDiagram:
     """The bifurcation diagram of the integral map of a system, computed.
@@ -260,9 +260,9 @@ def bifurcation_diagram(
         plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")
     ]
     moving = [a for a in named if a in own.parameter_names]
-    found = integral_map(system, scene, parameters or {}, moving)
+    found = integral_map_of(system, scene, parameters or {}, moving)
     chosen, free = _choose(found, named)
-    held = _held(found, free, at or {})
+    held = _values_of_others(found, free, at or {})
     rows = [*range(found.relations), *found.places([*held, *chosen])]
     targets = np.array([0.0] * found.relations + [*held.values()])
     window = _window(found, rows, targets, dict(between or {}), chosen)
@@ -301,8 +301,8 @@ def _choose(found: IntegralMap, named: Sequence[str]) -> tuple[list[str], list[s
             f"system '{system}': {' and '.join(named)} depend on one another; take another axis"
         )
     if len(independent) < 2:
-        known = found.phase.system.parameter_names
-        other = f": axes=('{independent[0]}', '{[*known][0]}')" if known and independent else ""
+        one = next(iter(found.phase.system.parameter_names), "")
+        other = f": axes=('{independent[0]}', '{one}')" if one and independent else ""
         raise DefinitionError(
             f"system '{system}': its proved integrals are functions of one alone, "
             f"{', '.join(independent) or 'which is constant'}; take a parameter for the other "
@@ -311,7 +311,9 @@ def _choose(found: IntegralMap, named: Sequence[str]) -> tuple[list[str], list[s
     return independent[:2], independent[2:]
 
 
-def _held(found: IntegralMap, free: Sequence[str], at: Mapping[Any, Any]) -> dict[str, float]:
+def _values_of_others(
+    found: IntegralMap, free: Sequence[str], at: Mapping[Any, Any]
+) -> dict[str, float]:
     given = {plain_name(k) if not isinstance(k, str) else k: x for k, x in at.items()}
     for name in given:
         if name not in free:

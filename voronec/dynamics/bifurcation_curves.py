@@ -162,8 +162,11 @@ class CriticalPoints:
         """Critical points to which random starts lead."""
         own, held, random = self.map, len(self.targets), np.random.default_rng(seed)
         # slow and fast, so that small values are met, too
-        x = own.random_points(4 * count, seed) * random.uniform(0.05, 1, size=(4 * count, 1))
-        x = own.project(x, self.rows[:held], self.targets[own.relations :])[:count]
+        x = own.random_points(8 * count, seed) * random.uniform(0.05, 1, size=(8 * count, 1))
+        x = own.project(x, self.rows[:held], self.targets[own.relations :])
+        values = (own.jet(x, 0)[0][:, [*self.rows[-2:]]] - self.window[:, 0]) / self.scales[-2:]
+        outside = np.maximum(-values, values - 1).max(axis=1, initial=0.0)
+        x = x[np.argsort(outside, kind="stable")][:count]
         for point in x:
             weights = random.normal(size=len(self.rows))
             slope = own.jet(point[None])[1][0, [*self.rows]] * own.units / self.scales[:, None]

@@ -33,7 +33,7 @@ PLACES, ASIDE = 5, 5
 
 
 @dataclass(frozen=True, eq=False)
-class Region:
+class DiagramRegion:
     """A part of the window: ``components`` of the levels in it, none where there are no motions,
     and None where levels of it differ, as they do where levels are not compact; ``place`` (2,) is
     deep inside, ``share`` its part of the window."""
@@ -151,7 +151,7 @@ class Raster:
 
     window: np.ndarray
     labels: np.ndarray
-    regions: tuple[Region, ...]
+    regions: tuple[DiagramRegion, ...]
 
     def at(self, place: Sequence[float]) -> int:
         """The number of the region of a place (2,), or -1; outside of the window, too."""
@@ -173,7 +173,7 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
         cells = cells[(cells >= 0).all(axis=1) & (cells < CELLS).all(axis=1)]
         free[*cells.T] = False
     found, count = ndimage.label(free)
-    labels, regions = np.full(free.shape, -1), []
+    labels, regions = np.full(free.shape, -1), list[DiagramRegion]()
     for k in range(1, count + 1):
         inside = found == k
         if inside.sum() < FEWEST:
@@ -183,7 +183,7 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
     return Raster(window, labels, tuple(regions))
 
 
-def _region(points: CriticalPoints, inside: np.ndarray) -> Region:
+def _region(points: CriticalPoints, inside: np.ndarray) -> DiagramRegion:
     """A region of the raster: levels are looked at where it is widest, and at random."""
     from scipy import ndimage
 
@@ -197,4 +197,4 @@ def _region(points: CriticalPoints, inside: np.ndarray) -> Region:
     counts = tuple(level_components(points, place).count for place in places)
     agreed = counts.count(counts[0]) > len(counts) / 2
     x, y = places[0].tolist()
-    return Region((x, y), float(inside.mean()), counts[0] if agreed else None, counts)
+    return DiagramRegion((x, y), float(inside.mean()), counts[0] if agreed else None, counts)

@@ -7,15 +7,15 @@ constraint gives with a divisor, omega3 = -(omega1 gamma1 + omega2 gamma2)/gamma
 variable, and gamma3 omega3 + omega1 gamma1 + omega2 gamma2 = 0 a relation: nothing is infinite
 where gamma3 = 0.
 
-Where a velocity w is a factor of rates, x' = w Y(x), and Y holds no variables but these x, they move
-on the curves of Y, and their values at one place of these are integrals.  Of a rolling disc Legendre
-functions give them, of bodies of revolution hypergeometric ones [Appell1900, Chaplygin1897]; here
-they are computed, by steps along Y.
+Where a velocity w is a factor of rates, x' = w Y(x), and Y holds no variables but these x, they
+move on the curves of Y, and their values at one place of these are integrals.  Of a rolling disc
+Legendre functions give them, of bodies of revolution hypergeometric ones [Appell1900,
+Chaplygin1897]; here they are computed, by steps along Y.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -35,17 +35,16 @@ from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.errors import DefinitionError, VoronecError
 from voronec.motion.request import number
-from voronec.motion.state_probe import at_each
 
 STEPS = 6
-"""Steps of Dormand and Prince's method of order 8 along Y: nine digits, but near singular points."""
+"""Steps of Dormand and Prince's method of order 8 along Y: nine digits, less near its poles."""
 EXACT = 1e-3
 """The largest error of the embedded method of order 5, in the units of the variables."""
 NUDGE = 1e-5
 """The step of central differences, whose error is about its square."""
 ITERATIONS = 25
 """Steps of Newton's method towards a level."""
-MET = 1e-10
+CLOSE = 1e-10
 """A point lies on a level where its integrals are met to this, in their sizes."""
 GENERIC = 1e-8
 """Gradients at random points depend on one another where a singular value is below this."""
@@ -106,7 +105,8 @@ class IntegralMap:
             found = compile_program(program)[1](np.float64(0.0), [*x.T], [])
         jets = [np.zeros((m, len(self.constants), *(n,) * k)) for k in range(order + 1)]
         for place, value in zip(places, found, strict=True):
-            jets[len(place) - 1][:, *place] = value
+            index: Any = (slice(None), *place)
+            jets[len(place) - 1][index] = value
         if self.carried is not None:
             own = self.carried.jet(x, order)
             for k, values in enumerate(own):
@@ -127,18 +127,15 @@ class IntegralMap:
         """Points (count, n) of the usual sizes, which lie on no level."""
         return np.random.default_rng(seed).normal(size=(count, len(self.units))) * self.units
 
-    def project(
-        self, x: np.ndarray, rows: Sequence[int], targets: Sequence[float], reach: float = np.inf
-    ) -> np.ndarray:
+    def project(self, x: np.ndarray, rows: Sequence[int], targets: Any) -> np.ndarray:
         """The points (m', n) of a level to which those of x (m, n) lead by Newton's method, in the
-        least steps; those that lead to none, or further than ``reach`` in the units, are left
-        out.  Relations are met first of all ``rows``, which have the values of ``targets``."""
+        least steps; those that lead to none are left out.  The last of the ``rows`` have the values
+        of ``targets``, those before them, relations, are zero."""
         found, met = self.settle(x, rows, targets)
-        met &= np.linalg.norm((found - x) / self.units, axis=1) <= reach
         return found[met]
 
     def settle(
-        self, x: np.ndarray, rows: Sequence[int], targets: Sequence[float]
+        self, x: np.ndarray, rows: Sequence[int], targets: Any
     ) -> tuple[np.ndarray, np.ndarray]:
         """The points (m, n) to which Newton's method leads, and which of them (m,) lie on the
         level."""
@@ -153,7 +150,7 @@ class IntegralMap:
             sizes = np.maximum(sizes, 1e-3 * longest + 1e-300)
             off, matrix = off / sizes, matrix / sizes[..., None]
             finite = np.isfinite(off).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
-            near = finite & (np.abs(off).max(axis=1, initial=0.0) < MET)
+            near = finite & (np.abs(off).max(axis=1, initial=0.0) < CLOSE)
             met[todo[near]] = True
             goes_on = finite & ~near
             todo, off, matrix = todo[goes_on], off[goes_on], matrix[goes_on]
@@ -222,20 +219,20 @@ class CarriedIntegrals:
             error = np.zeros(step.shape)
 
             def field(z: np.ndarray) -> np.ndarray:
-                found = slope(np.float64(0.0), [z[..., i] for i in range(width)], [])
-                found = np.stack([np.broadcast_to(f, step.shape) for f in found], axis=-1)
+                parts = slope(np.float64(0.0), [z[..., i] for i in range(width)], [])
+                found = np.stack([np.broadcast_to(f, step.shape) for f in parts], axis=-1)
                 signs.append(np.sign(found[..., width:].real))
                 return step[..., None] * found[..., :width]
 
-            def weighted(row: np.ndarray, stages: list[Any]) -> Any:
+            def weighted_sum(row: np.ndarray, stages: list[Any]) -> Any:
                 return sum(a * k for a, k in zip(row, stages, strict=False) if a)
 
             for _ in range(STEPS):
                 stages: list[Any] = []
                 for row in DOP853.A[: DOP853.n_stages]:
-                    stages.append(field(here + weighted(row, stages)))
-                here = here + weighted(DOP853.B, stages)
-                wrong = np.abs(weighted(DOP853.E5, stages))
+                    stages.append(field(here + weighted_sum(row, stages)))
+                here = here + weighted_sum(DOP853.B, stages)
+                wrong = np.abs(weighted_sum(DOP853.E5, stages))
                 error = np.maximum(error, wrong.max(axis=-1))
         beyond = np.any([s != signs[-1] for s in signs], axis=(0, -1)) | ~(error < EXACT)
         return np.where(beyond[..., None], np.nan, here[..., [*map(self.own.index, self.carried)]])
@@ -256,7 +253,7 @@ class CarriedIntegrals:
         return jets
 
 
-def integral_map(
+def integral_map_of(
     system: Any, scene: Any, parameters: Mapping[Any, Any], moving: Sequence[str] = ()
 ) -> IntegralMap:
     """The integral map of a system with the values of a scene and of ``parameters``; parameters
@@ -281,7 +278,7 @@ def integral_map(
         read = {name: flow.read(f) for name, f in functions.items()}
         read = dict(zip(read, canonical([*read.values()], flow.relations), strict=True))
     known = [p.name for p in own.parameters]
-    kept = _needed(flow, [*read.values()])
+    kept = _variables_of(flow, [*read.values()])
     relations, formulas, more = _lift(motions, flow, [*read.values()])
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
     values = {se.Symbol(n): _exact(own, n, x) for n, x in numbers.items() if n not in moving}
@@ -313,7 +310,7 @@ def _exact(system: Any, name: str, value: float) -> Any:
     return se.sympify(declared if same else value)
 
 
-def _needed(flow: VectorField, formulas: Sequence[Any]) -> tuple[Any, ...]:
+def _variables_of(flow: VectorField, formulas: Sequence[Any]) -> tuple[Any, ...]:
     """The variables of which integrals, accelerations and relations are functions."""
     rates = dict(zip(flow.positions, flow.rates, strict=True))
     kept = {*flow.velocities}.union(*(e.free_symbols for e in (*formulas, *flow.accelerations)))
@@ -329,7 +326,7 @@ def _lift(
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """The relations, the formulas and further variables, where velocities that have divisors are
     variables."""
-    relations, more = [*flow.independent_relations], []
+    relations, more = [*flow.independent_relations], list[Any]()
     frame = motions.system.frame
     for name, meaning in (frame.beside if frame and flow.level == "invariants" else {}).items():
         try:

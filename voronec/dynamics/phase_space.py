@@ -3,7 +3,7 @@ stay constant there."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
@@ -176,18 +176,21 @@ class PhaseSpace:
         rows = gradients[sizes > 0] / sizes[sizes > 0, None]
         return int(np.linalg.matrix_rank(rows, RANK)) if len(rows) else 0
 
-    def reversal(self, i: int) -> tuple[int, ...] | None:
+    def reversals(self, i: int) -> Iterator[tuple[int, ...]]:
         """Signs r with f(r x) = -r f(x) for the parameters of start i, as found at random states:
-        with them every motion is run through backwards by another; None where there are none."""
+        with them every motion is run through backwards by another."""
         n, states = len(self.names), self._states_around(i)
         if n > FEW_STATES:
-            return None
+            return
         there = self._rates(i, states)
         for signs in product((1, -1), repeat=n):
             wrong = np.abs(self._rates(i, states * signs) + there * signs).max()
             if -1 in signs and wrong <= SAME * np.abs(there).max():
-                return signs
-        return None
+                yield signs
+
+    def reversal(self, i: int) -> tuple[int, ...] | None:
+        """The first of the ``reversals``; None where there are none."""
+        return next(self.reversals(i), None)
 
 
 def _constants(namespace: Namespace, motions: Many) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import read_sympy_text
 from voronec.algebra.typeset import symbol_latex
-from voronec.declaration.figure_style import INK, MARK, figure_in_style
+from voronec.declaration.figure_style import INK, MARK, SOFT, figure_in_style
 from voronec.errors import DefinitionError
 
 COLOURS = (
@@ -41,6 +42,40 @@ def plot_section(section: Any) -> Any:
         panel.margins(0.04)
         panel.spines[["top", "right"]].set_visible(False)
         panel.set_title(_title(section), fontsize=10)
+    return figure
+
+
+def plot_levels(
+    sections: Sequence[Any], values: Sequence[np.ndarray], reflections: Sequence[tuple[int, int]],
+    what: str,
+) -> Any:  # fmt: skip
+    """A panel for each section: the motions in colours by a value each, grey where it is no number,
+    with the images of all points under ``reflections`` of the first two outputs, and the lines that
+    these fix."""
+    known = np.concatenate(values)
+    known = known[np.isfinite(known)]
+    low, high = (known.min(), known.max()) if len(known) else (0.0, 1.0)
+    shape = {"squeeze": False, "sharex": True, "sharey": True}
+    with figure_in_style(1.4 + 4.2 * len(sections), 4.4) as figure:
+        panels = figure.subplots(1, len(sections), **shape)[0]
+        for panel, section, own in zip(panels, sections, values, strict=True):
+            x, y, labels = _axes(section)
+            each = np.asarray(own)[section.start]
+            size = float(np.clip(800.0 / max(len(section), 1) ** 0.5, 1.0, 9.0))
+            none, style = ~np.isfinite(each), {"s": size, "linewidths": 0, "rasterized": True}
+            for a, b in [(1, 1), *reflections]:
+                panel.scatter(a * x[none], b * y[none], color=SOFT, **style)
+                dots = panel.scatter(a * x[~none], b * y[~none], c=each[~none], cmap="viridis",
+                                     vmin=low, vmax=high, **style)  # fmt: skip
+            for first, second in reflections:
+                if first * second < 0:
+                    line = panel.axvline if first < 0 else panel.axhline
+                    line(0, color=MARK, linewidth=0.7, linestyle="--")
+            panel.set(xlabel=labels[0], ylabel=labels[1])
+            panel.margins(0.04)
+            panel.spines[["top", "right"]].set_visible(False)
+            panel.set_title(_title(section), fontsize=9)
+        figure.colorbar(dots, ax=panels, label=what, pad=0.02)
     return figure
 
 
