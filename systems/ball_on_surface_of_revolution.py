@@ -1,18 +1,18 @@
 """A homogeneous ball that rolls on any surface of revolution with a vertical axis.
 
-Its centre moves on the surface of revolution of the meridian (f(u), g(u)), any functions: L is the
-length of (f', g'), and k1, k2 are the curvatures along the meridian and across.  With v = u',
+Its centre moves on the surface of revolution of the meridian (f(u), h(u)), any functions: L is the
+length of (f', h'), and k1, k2 are the curvatures along the meridian and across.  With v = u',
 w = phi', the spin s = (omega, n) about the normal,
 
     R s' = (k1 - k2) L f v w,    (f^2 w)' = -J/(J + m R^2) R k1 L f v s.
 
 So s and f^2 w satisfy linear equations with u for the time, and the two constants of their solution
 are integrals that are linear in the velocities [Routh1905]; with the energy, the rest are
-quadratures.  The solutions are elementary where the meridian is straight, k1 = 0, where f^2 w is
-constant (``ball-in-cylinder``, ``ball-in-cone``), where k1 = k2, on the sphere, and s is; and on
-the paraboloid, ``ball-on-paraboloid`` [BorisovMamaevKilin2002].
+quadratures.  The solutions are elementary where the meridian is straight, k1 = 0, and f^2 w is
+constant (``ball-in-cylinder``, ``ball-in-cone``); on the sphere, k1 = k2, where s is
+(``ball-in-bowl``); and on the paraboloid, ``ball-on-paraboloid`` [BorisovMamaevKilin2002].
 
-f and g being unknown, there is no motion to show.
+f and h being unknown, there is no motion to show.
 """
 
 from __future__ import annotations

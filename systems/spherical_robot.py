@@ -53,6 +53,7 @@ torque = sp.Matrix([T1, T2, 0])
 work = [torque.dot(direction.cross(direction.diff(q))) for q in (alpha, beta)]
 momentum = (M + J / R**2) * centre_velocity + m * bob_velocity
 centre = sp.Matrix([x, y, R])
+turn_of_axes = sp.Matrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
 
 SKETCH = (
     Sketch("seen from the side")
@@ -150,7 +151,16 @@ SYSTEM = System(
         ),
     },
     shapes=(
-        Shape.ball(R, centre=centre, attitude=rotation.matrix, contact=(x, y, 0)),
+        *(
+            Shape.torus(
+                R * sp.Rational(24, 25),
+                R / 25,
+                centre=centre,
+                attitude=rotation.matrix * turn_of_axes**k,
+                contact=(x, y, 0) if k == 0 else None,
+            )
+            for k in range(3)  # rings for the shell, which hides the pendulum
+        ),
         Shape.ball(R / 6, centre=centre + l * direction),
         Shape.plane(),
     ),

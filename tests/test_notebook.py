@@ -142,10 +142,17 @@ def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "file", "begins"),
-    [("demchenko", "ball.gif", b"GIF8"), ("snakeboard", "board.webp", b"RIFF")],
+    [
+        ("demchenko", "ball.gif", b"GIF8"),
+        ("snakeboard", "board.webp", b"RIFF"),
+        ("spherical-robot", "robot.gif", b"GIF8"),  # which has inputs
+    ],
 )
 def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins: bytes) -> None:
-    motion = vo.integrate(vo.load(name), times=np.linspace(0, 1, 4))
+    system = vo.load(name)
+    motion = vo.integrate(
+        system, scene="default", times=np.linspace(0, 1, 4), outputs=("configuration",)
+    )
     assert motion.animate(tmp_path / file).read_bytes().startswith(begins)
 
 

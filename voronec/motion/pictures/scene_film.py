@@ -63,8 +63,10 @@ class ShapesInMotion:
             np.asarray(record[str(x)], dtype=float)
             if str(x) in record.outputs else np.full(len(t), np.nan) for x in program.state
         ]  # fmt: skip
+        pushed = [[np.nan] * len(program.inputs)] if program.inputs else []  # no shape needs them
         with np.errstate(all="ignore"):
-            found = compile_program(program)[1](t, states, self.numbers)[: POSE * len(shapes)]
+            extras = compile_program(program)[1]
+            found = extras(t, states, self.numbers, *pushed)[: POSE * len(shapes)]
         poses = np.stack([np.broadcast_to(x, t.shape) for x in found], axis=-1).astype(float)
         if not np.isfinite(poses).all():
             raise DefinitionError(
