@@ -217,6 +217,22 @@ def test_accelerations_of_plain_symbols_are_called_so() -> None:
         plane(parameters=(m,), integrals={"e": velocity(m)})
 
 
+def test_forces_on_a_group_hold_rates_of_its_velocities() -> None:
+    """A body about a point in a fluid, whose added inertia is not diagonal, on an edge."""
+    w1, w2, w3 = w = sp.symbols("w1:4")
+    turning = {(w1, w2): {w3: 1}, (w2, w3): {w1: 1}, (w3, w1): {w2: 1}}
+    pull = {w1: -velocity(w1) / 2 - velocity(w2) / 5, w2: -velocity(w1) / 5 - w1 * w3}
+    system = System(
+        "body in a fluid", Fibration(()), (w1**2 + 2 * w2**2 + 3 * w3**2) / 2, (w3 - w1 / 3,),
+        frame=Frame.group((w1, w2), turning, fibre=(w3,)), forces=pull,
+    )  # fmt: skip
+    eqs = vo.derive(system)
+    assert eqs.mass[0, 0] == 1 + sp.Rational(1, 2) + sp.Rational(1, 3)
+    assert eqs.mass[0, 1] == sp.Rational(1, 5)
+    found = agree(system, {w1: sp.Rational(1, 2), w2: sp.Rational(-1, 3)})
+    assert {*found} == {*w}
+
+
 def test_forces_that_take_all_inertia_away_are_named() -> None:
     with pytest.raises(DefinitionError, match="accelerations in the forces take away") as caught:
         vo.derive(plane(forces={x: velocity(velocity(x))}))

@@ -83,20 +83,18 @@ def solve_linear(
     relations: Sequence[Any] = (),
     prefer: int = 0,
     near: Mapping[str, Any] | None = None,
-    share: float = 0.0,
 ) -> LinearSolution:
     """Solve rows * x = right exactly, for any number of right sides; rows may be redundant.
 
     The first ``prefer`` rows are used before the others, so that what reduces to zero is, where
     possible, one of the others.  Pivots that do not vanish at the point ``near`` (numbers by name)
-    are preferred, so that the solution is defined there too; with a ``share``, those that are there
-    no smaller than this part of their row, so that it is well conditioned.
+    are preferred, so that the solution is defined there too.
     """
     unknowns = len(rows[0]) if rows else 0
     work = _shadow_rows(rows, right, relations, near)
     done: list[tuple[int, _Row]] = []
     while True:
-        choice = _pivot(work, prefer, share)
+        choice = _pivot(work, prefer)
         if choice is None:
             break
         row, column = choice
@@ -150,7 +148,7 @@ def _shadow_rows(
     ]
 
 
-def _pivot(work: list[_Row], prefer: int, share: float) -> tuple[_Row, int] | None:
+def _pivot(work: list[_Row], prefer: int) -> tuple[_Row, int] | None:
     """The provably nonzero entry with the least fill-in (Markowitz), the simplest of those."""
     counts: dict[int, int] = {}
     for row in work:
@@ -158,22 +156,15 @@ def _pivot(work: list[_Row], prefer: int, share: float) -> tuple[_Row, int] | No
             counts[j] = counts.get(j, 0) + 1
     best, best_cost = None, None
     for row in work:
-        largest = max((_size(row.near_left[j]) for j in row.left), default=0.0) if share else 0.0
         for j, entry in row.left.items():
             if row.shadow_left[j].contains(0):
                 continue
             fill = (len(row.left) - 1) * (counts[j] - 1)
             lost = row.near_left[j].contains(0)  # true also where the value is not finite
-            lost = lost or _size(row.near_left[j]) < share * largest
             cost = (row.label >= prefer, lost, fill, not entry.is_Number, len(entry.args))
             if best_cost is None or cost < best_cost:
                 best, best_cost = (row, j), cost
     return best
-
-
-def _size(ball: Any) -> float:
-    """About how large the number in a ball is; zero where it has no finite value."""
-    return abs(float(ball.mid())) if ball.is_finite() else 0.0
 
 
 def _subtract(target: _Row, pivot: _Row, column: int, relations: Sequence[Any]) -> None:

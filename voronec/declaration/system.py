@@ -361,7 +361,7 @@ class System:
         """What forces may hold linearly: second derivatives of the coordinates, rates of the
         frame's velocities."""
         if self.on_group:
-            return ()
+            return tuple(map(velocity, self.directions))
         return tuple(velocity(v) for v in (*map(velocity, self.coordinates), *self.velocities))
 
     @property

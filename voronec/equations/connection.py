@@ -189,14 +189,13 @@ def solve_fibre(
     base: int,
     ideal: Sequence[Any],
     near: Mapping[str, Any] | None = None,
-    share: float = 0.0,
 ) -> tuple[FibreSolution, LinearSolution | None]:
     """Solve the constraints, with differentiated relations, for the fibre velocities.
 
     ``ideal`` are the relations themselves.  The elimination comes along for whoever asks what is
     free, dependent or contradictory: its rows are the constraints, then the relations that bind
     fibre velocities; its right sides the base velocities, then 1.  At the point ``near`` the
-    solution is defined where possible; ``share`` is that of ``solve_linear``.
+    solution is defined where possible.
     """
     binding = [i for i, row in enumerate(relations.matrix) if any(e != 0 for e in row[base:])]
     rows = [*constraints.matrix, *(relations.matrix[i] for i in binding)]
@@ -205,7 +204,7 @@ def solve_fibre(
         return FibreSolution((), ()), None
     left = [row[base:] for row in rows]
     right = [[-e for e in row[:base]] + [-o] for row, o in zip(rows, offsets, strict=True)]
-    solution = solve_linear(left, right, ideal, len(constraints.matrix), near, share)
+    solution = solve_linear(left, right, ideal, len(constraints.matrix), near)
     fibre = FibreSolution(
         tuple(tuple(v[:-1]) for v in solution.values), tuple(v[-1] for v in solution.values)
     )
@@ -232,11 +231,9 @@ def framed_lift(
     relations: AffineForms,
     ideal: Sequence[Any],
     near: Mapping[str, Any] | None = None,
-    share: float = 0.0,
 ) -> list[list[Any]]:
     """The lift of quasi-velocities: constraints and definitions solved for all velocities at once.
 
-    ``share`` is that of ``solve_linear``.
     Raises ``UndeterminedVelocities`` where they leave velocities open, or fix more than they may.
     """
     n = len(frame.matrix)
@@ -248,7 +245,7 @@ def framed_lift(
     ]
     right += [[*nothing, -o] for o in relations.offset]
     own = len(rows) - len(relations.matrix)
-    solution = solve_linear(rows, right, ideal, own, near, share)
+    solution = solve_linear(rows, right, ideal, own, near)
     if solution.free or solution.contradictory or any(i < own for i in solution.dependent):
         raise UndeterminedVelocities(solution.free)
     return solution.values

@@ -63,7 +63,6 @@ class Definition:
     fibre: FibreSolution
     near: dict[str, Any]
     added: tuple[tuple[Any, ...], ...] = ()
-    share: float = 0.0
 
     @property
     def base(self) -> int:
@@ -113,12 +112,11 @@ class Definition:
         return [se.Add(*[row[a] * function.diff(q) for q, row in pairs]) for a in size]
 
 
-def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0.0) -> Definition:
+def read(system: System, near: Mapping[str, Any] | None = None) -> Definition:
     """Translate and check a system; raises ``DefinitionError`` where it makes no sense.
 
     ``near`` is a point, by names, at which the solved constraints should be defined; by default
-    the start of the default scene.  With a ``share`` they are well conditioned there: no pivot is
-    smaller than this part of its row.
+    the start of the default scene.
     """
     # long because it is a list: every part of a definition in turn, each from those before it
     require_system(system)
@@ -140,7 +138,7 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
     constraints = _constraints(system, enter, dots)
     _count(system, len(constraints.matrix), differentiated)
     point = _start(system) if near is None else dict(near)
-    fibre = _solve_for_fibre(system, constraints, differentiated, relations, point, share)
+    fibre = _solve_for_fibre(system, constraints, differentiated, relations, point)
     _require_continuity(system, enter, (*coordinates, *dots), dots, _conditions(system, bridge))
     momenta, determinant = _momentum_names(system, bridge)
     forces, added = _read_forces(system, bridge, enter, dots, frame)
@@ -165,7 +163,6 @@ def read(system: System, near: Mapping[str, Any] | None = None, share: float = 0
         fibre=fibre,
         near=point,
         added=added,
-        share=share,
     )
 
 
@@ -270,8 +267,9 @@ def _rates_of_velocities(
         for v, row, expr in definitions:
             terms = (expr.diff(q) * dot for q, dot in zip(coordinates, dots, strict=True))
             found[velocity(v)] = row, se.Add(expr.diff(clock), *terms)
-    for a, q in enumerate(system.coordinates):
-        found[velocity(velocity(q))] = [se.Integer(int(a == b)) for b in size], zero
+    own = system.directions if system.on_group else map(velocity, system.coordinates)
+    for a, w in enumerate(own):
+        found[velocity(w)] = [se.Integer(int(a == b)) for b in size], zero
     return found
 
 
@@ -422,12 +420,11 @@ def _solve_for_fibre(
     differentiated: AffineForms,
     ideal: Sequence[Any],
     near: Mapping[str, Any],
-    share: float,
 ) -> FibreSolution:
     """The fibre velocities in terms of the others; ``DefinitionError``, with a split that works,
     where the constraints do not determine them."""
     base = system.base_directions
-    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near, share)
+    fibre, solution = solve_fibre(constraints, differentiated, base, ideal, near)
     if solution is None:
         return fibre
     k = len(constraints.matrix)

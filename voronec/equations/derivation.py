@@ -181,9 +181,7 @@ class Derivation:
         d = self.definition
         assert d.frame is not None
         try:
-            return framed_lift(
-                d.constraints, d.frame, d.differentiated, d.relations, d.near, d.share
-            )
+            return framed_lift(d.constraints, d.frame, d.differentiated, d.relations, d.near)
         except UndeterminedVelocities as error:
             raise _frame_error(d, error) from None
 

@@ -28,23 +28,27 @@ from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name, velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
+from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
+from voronec.declaration.charts import Chart
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
 from voronec.declaration.system import System, bare, system_in
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
-from voronec.equations.program.switches import is_rough
 from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
-from voronec.errors import EngineLimit, VoronecError
+from voronec.errors import EngineLimit, IntegrationError, VoronecError
+from voronec.motion.constant_rank import with_implied_rows
+from voronec.motion.constraint_geometry import implied_rows
 from voronec.motion.motion_start import InitialState, WideStart
 from voronec.motion.reactions import conditions_of, drift
 from voronec.motion.request import Namespace, StartData
-from voronec.motion.split_models import fresh_symbol, spell_out, split_charts
 from voronec.motion.trajectory import Trajectory
+
+DEPENDENT = "the constraints become dependent"
 
 
 @dataclass(frozen=True)
@@ -74,8 +78,9 @@ class AmbientFormulation:
         return replace(found, home_definition=replace(d, frame=None, velocities=d.dots))
 
     def start(
-        self, namespace: Namespace, given: StartData, outset: InitialState, time: float, bits: int
-    ) -> StartData:
+        self, namespace: Namespace, given: StartData, outset: InitialState, time: float, bits: int,
+        project: bool,
+    ) -> StartData:  # fmt: skip
         """The start in these variables, in so many ``bits`` where these are not zero: by all
         velocities of the coordinates, or by those of home and of the frame, where they are given or
         where no velocities of coordinates are numbers."""
@@ -88,16 +93,33 @@ class AmbientFormulation:
         else:
             ground, own = outset.ground(self.home, time), self.home.system.coordinates
             framed = outset.state if outset.framed and not bits else None
-            start = WideStart.of(namespace, ground, given, False, framed)
+            start = WideStart.of(namespace, ground, given, project, framed)
             wide = start.exact(bits)[0] if bits else start.wide
             if bits or np.isfinite(wide).all():
-                everything = map(plain_name, (*own, *map(velocity, own)))
+                group = self.home.system.on_group
+                dots = self.home.system.directions if group else map(velocity, own)
+                everything = map(plain_name, (*own, *dots))
                 found = dict(zip(everything, map(_exactly, wide), strict=True))
                 return replace(given, scene_initial={}, initial=found)
             found = dict(zip(names, outset.state.tolist(), strict=True))
         symbols = {namespace.symbols[n]: as_expression(x) for n, x in found.items()}
         found |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
         return replace(given, scene_initial={}, initial=found)
+
+    def check_events(self, functions: Iterable[sp.Expr]) -> None:
+        """Refuse events of velocities where friction may hold these: only those that are given are
+        then zero to the last digit, and the others would pass through zero again and again."""
+        system, form = self.home.system, self.home.raw.form
+        speeds = {*system.velocities, *system.directions, *map(velocity, system.coordinates)}
+        speeds -= {*system.coordinates}
+        seen = {s for e in functions for s in e.free_symbols | e.atoms(sp.Derivative)} & speeds
+        jumps = atoms([*form.force, *(e for _, e in form.stages)], se.sign, se.floor)
+        if seen and any(jump.free_symbols & {*form.velocities} for jump in jumps):
+            raise EngineLimit(
+                f"system '{system.name}': its velocities fail on the way, and events of "
+                f"velocities, as '{plain_name(min(seen, key=str))}', are not found then where "
+                "friction may hold them; give a frame that is one all along the motion"
+            )
 
     def to_home(self, found: Trajectory, outputs: tuple[str, ...]) -> Trajectory:
         """A trajectory in these variables as one of the system, with the outputs asked for."""
@@ -109,6 +131,19 @@ class AmbientFormulation:
             outputs=outputs,
             events=MappingProxyType(events),
             within=None if within is None else lambda t: self.to_home(within(t), outputs),
+        )
+
+    def failure(self, error: IntegrationError, outputs: tuple[str, ...]) -> IntegrationError:
+        """The error of a run in these variables as one of the system."""
+        assert error.trajectory is not None
+        found = self.to_home(error.trajectory, outputs)
+        reason = DEPENDENT if error.singular else found.halted
+        return IntegrationError(
+            f"system '{self.home.system.name}': {reason} after t = {float(error.time):.12g}; end "
+            "the run before that, or use another chart",
+            error.time,
+            found.state[-1],
+            replace(found, halted=reason),
         )
 
     def _own_state(self, rows: Any) -> Any:
@@ -128,15 +163,16 @@ def _exactly(value: Any) -> Any:
 def ambient_formulation(home: VoronecEquations, reactions: bool) -> AmbientFormulation | None:
     """The ambient formulation of a system: in the velocities of its frame and those that it
     declares ``beside`` them, else, or where ``reactions`` are asked for, in those of its
-    coordinates; None on groups, where forces are not smooth, and where the equations have no such
-    form."""
+    coordinates, or of its group; None where nothing binds the velocities, and where the equations
+    have no such form."""
 
     def make() -> AmbientFormulation | None:
         system, frame = home.system, home.system.frame
-        form, bound = home.raw.form, system.constraints or system.fibration.relations
-        if system.on_group or not bound or is_rough((), form.expressions, form.parameters):
-            return None  # velocities that friction holds at zero would be rounding
+        if not (system.constraints or system.fibration.relations or frame):
+            return None
         with suppress(VoronecError):
+            if system.on_group:
+                return _on_group(home)
             if frame is not None and frame.beside and not reactions:
                 return _FrameFormulation(home, frame).formulation
             return _on_coordinates(home)
@@ -154,24 +190,39 @@ class _Constraint:
     remainder: sp.Expr
 
 
+LARGE = sp.Integer(2) ** 20
+"""Impulses are measured in so many units: nothing depends on them, and their errors, large where
+constraints are almost dependent, would make steps short."""
+
+
 def _with_reactions(
-    forces: Mapping[Any, Any], held: Sequence[_Constraint], sums: Sequence[Any], massless: bool
+    forces: Mapping[Any, Any],
+    held: Sequence[_Constraint],
+    impulses: Sequence[Any],
+    massless: bool = False,
+    idle: Sequence[Sequence[sp.Expr]] = (),
+    inertia: Any = 1,
 ) -> dict[Any, sp.Expr]:
-    """Forces with the reactions of constraints, those along the ``sums`` among them, coordinates
-    whose velocities are the impulses of the reactions.
+    """Forces with the reactions of constraints, and those along the ``impulses`` of the reactions,
+    which are velocities in ``LARGE`` units.
 
     Where some velocities are ``massless`` the rates of the constraints, which vanish, give them
-    inertia.
+    inertia.  Sums of reactions that do nothing, with the ``idle`` coefficients b, b a = 0, vanish:
+    a w' - b^T b p'/inertia = -c'.
     """
     found = {q: as_expression(e) for q, e in forces.items()}
-    for constraint, p in zip(held, sums, strict=True):
+    for constraint, p in zip(held, impulses, strict=True):
         rate = sp.Add(
             constraint.remainder, *(a * velocity(w) for w, a in constraint.slopes.items())
         )
         for w, a in constraint.slopes.items():
-            pull = velocity(velocity(p)) + (rate if massless else 0)
+            pull = LARGE * velocity(p) + (rate if massless else 0)
             found[w] = found.get(w, sp.Integer(0)) - a * pull
-        found[p] = -rate
+        found[p] = -LARGE * rate
+    for row in idle:
+        whole = sp.Add(*(b * velocity(p) for b, p in zip(row, impulses, strict=True)))
+        for b, p in zip(row, impulses, strict=True):
+            found[p] += b * LARGE**2 * whole / inertia
     return found
 
 
@@ -180,21 +231,21 @@ def _with_reactions(
 
 def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
     system, frame, d = home.system, home.system.frame, home.definition
-    mass = [[d.lagrangian.diff(u).diff(w) for u in d.dots] for w in d.dots]
-    massless = len(generic_rows(mass, d.relations)) < len(mass)
-    count = len(d.constraints.matrix) + len(d.differentiated.matrix)
+    count = len(_held_rows(d)[0])
     sums = _fresh(system, "sum", count)
 
     def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
-        forces = _with_reactions(parts["forces"], _constraints_of(there), sums, massless)
+        if len(_held_rows(there)[0]) != count:
+            raise EngineLimit("a chart has other constraints")
+        forces = _held_by_reactions(parts["forces"], there, [*map(velocity, sums)])
         return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
 
     charts = {
         name: replace(split, changes=free(split.changes, read(system_in(system, name))))
-        for name, split in split_charts(system).items()
+        for name, split in _charts_of_velocities(system).items()
     }
     moved = bare(
-        system, system.name, **free(spell_out(system, frame), d), frame=None,
+        system, system.name, **free(_spell_out(system, frame), d), frame=None,
         fibration=Fibration((*system.coordinates, *sums)), charts=charts,
     )  # fmt: skip
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
@@ -207,17 +258,33 @@ def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
 
 def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
     taken = {plain_name(s) for s in system.known_symbols()}
-    return [fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
+    return [_fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
 
 
-def _constraints_of(d: Definition) -> list[_Constraint]:
-    """The constraints and the relations of a system, in the velocities of its coordinates."""
-    found, out = [], d.bridge.outward
-    for *row, offset in conditions_of(d)[: -len(d.velocities)]:
+def _held_rows(d: Definition, among: Sequence[int] | None = None) -> tuple[list[Any], list[Any]]:
+    """Rows of the constraints and the relations of a system, or of some of the constraints, with
+    those that they imply, and sums of all these that vanish."""
+    if among is None:
+        return implied_rows(d)
+    return with_implied_rows([conditions_of(d)[k] for k in among], d.relations, d.coordinates)
+
+
+def _held_by_reactions(
+    forces: Mapping[Any, Any], d: Definition, impulses: Sequence[Any],
+    among: Sequence[int] | None = None,
+) -> dict[Any, sp.Expr]:  # fmt: skip
+    """Forces with the reactions of the constraints and the relations of a system."""
+    held, out, (rows, idle) = [], d.bridge.outward, _held_rows(d, among)
+    rates = d.dots if d.group is None else d.group.coordinate_rates(d.dots)
+    for *row, offset in rows:
         whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
         slopes = {out(w): out(a) for a, w in zip(row, d.dots, strict=True) if a != 0}
-        found.append(_Constraint(slopes, out(drift(d, d.dots, whole))))
-    return found
+        held.append(_Constraint(slopes, out(drift(d, rates, whole))))
+    mass = [[d.lagrangian.diff(u).diff(w) for u in d.dots] for w in d.dots]
+    massless = len(generic_rows(mass, d.relations)) < len(mass)
+    inertia = out(se.Add(*(mass[k][k] for k in range(len(mass)))))
+    sums = [[out(b) for b in row] for row in idle]
+    return _with_reactions(forces, held, impulses, massless, sums, inertia)
 
 
 def _integrals(
@@ -236,6 +303,96 @@ def _integrals(
             short = canonical_for_numbers([bridge.inward(found[name])], ground)[0]
             found[name] = bridge.outward(short)
     return found
+
+
+def _on_group(home: VoronecEquations) -> AmbientFormulation:
+    """In all velocities of a group but those that a constraint of their own gives everywhere."""
+    system, frame, d = home.system, home.system.frame, home.definition
+    assert frame is not None
+    matrix, own = d.constraints.matrix, {}
+    for a, w in enumerate(d.dots[d.base :], d.base):
+        rows = [k for k, row in enumerate(matrix) if row[a] != 0]
+        if len(rows) == 1 and rows[0] not in own and matrix[rows[0]][a].is_Number:
+            own[rows[0]] = w
+    conditions = d.constraints.expressions(d.dots)
+    solved = {w: w - conditions[k] / conditions[k].diff(w) for k, w in own.items()}
+    held = [k for k in range(len(matrix)) if k not in own]
+    names = dict(zip(d.dots, system.directions, strict=True))
+    free = [w for w in d.dots if w not in solved]
+    impulses = _fresh(system, "impulse", len(_held_rows(d, held)[0]))
+    moved = bare(
+        system, system.name, constraints=tuple(system.constraints[k] for k in own),
+        forces=_held_by_reactions(system.forces, d, impulses, held),
+        frame=Frame.group(
+            (*map(names.get, free), *impulses), frame.brackets or {}, frame.rates,
+            tuple(map(names.get, solved)),
+        ),
+    )  # fmt: skip
+    # the momenta are p_a dw^a/dv_i, in all velocities
+    inertial, slopes = d.lagrangian.xreplace(solved), dict(home.raw.form.dependent)
+    parts = {
+        p: se.Add(*(inertial.diff(w) * slopes.get(w, w).diff(v) for w in free))
+        for p, v in zip(d.momenta, d.velocities, strict=False)
+    }
+    out = d.bridge.outward
+    meaning = {out(x): out(e) for x, e in parts.items()}
+    spelled = meaning | {out(w): out(e) for w, e in solved.items()}
+    spelled |= zip(system.invariant_symbols, system.invariants.values(), strict=True)
+    form = replace(home.raw.form, velocities=(*free,))
+    rest = [conditions[k] for k in held]
+    integrals = _integrals(system, d.bridge, spelled, form, rest)
+    return AmbientFormulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
+
+
+# -- systems written otherwise ---------------------------------------------------------------
+
+
+def _fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
+    """A symbol with a name, or one like it, that is not taken."""
+    while name in taken:
+        name += "_"
+    return sp.Symbol(name)
+
+
+def _spell_out(
+    system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
+    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
+    names = ("lagrangian", "constraints", "forces")
+    own = {name: getattr(system, name) for name in names} | dict(changes or {})
+
+    def on(expr: Any) -> Any:
+        return as_expression(expr).xreplace(meaning)
+
+    return {
+        "lagrangian": on(own["lagrangian"]),
+        "constraints": tuple(map(on, own["constraints"])),
+        "forces": {q: on(e) for q, e in own["forces"].items()},
+    }
+
+
+def _charts_of_velocities(system: System) -> dict[str, Chart]:
+    """The charts of a system in the velocities of the coordinates, which follow these."""
+    return {name: _chart_of_velocities(system, chart) for name, chart in system.charts.items()}
+
+
+def _chart_of_velocities(system: System, chart: Chart) -> Chart:
+    """A chart in the velocities of the coordinates."""
+    frame = chart.changes.get("frame", system.frame)
+    quasi = set() if frame is None else {plain_name(v) for v in frame.velocities}
+    changes = {name: e for name, e in chart.changes.items() if name != "frame"}
+
+    def own(values: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: e for name, e in values.items() if name not in quasi}
+
+    return replace(
+        chart,
+        state=own(chart.state),
+        back=own(chart.back),
+        double_cover=tuple(map(own, chart.double_cover)),
+        changes=_spell_out(system, frame, changes),
+    )
 
 
 # -- in the velocities of a frame and others beside them ------------------------------------
@@ -263,7 +420,7 @@ class _FrameFormulation:
             for name, chart in home.charts.items()
         }
         base, fibre = home.fibration.base, home.fibration.fibre
-        parts = {n: self._release(n, x) for n, x in spell_out(home, None).items()}
+        parts = {n: self._release(n, x) for n, x in _spell_out(home, None).items()}
         return bare(
             home, home.name, **parts, charts=charts, invariants=home.invariants,
             fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
@@ -289,7 +446,7 @@ class _FrameFormulation:
     @cached_property
     def constraints(self) -> list[Any]:
         """The released constraints c as functions of its state."""
-        given = spell_out(self.home.system, self.frame)["constraints"][-self.count :]
+        given = _spell_out(self.home.system, self.frame)["constraints"][-self.count :]
         own = [self.motions.on_coordinates.read(c) for c in given]
         if not self.free.invariants:
             return own
@@ -311,7 +468,7 @@ class _FrameFormulation:
                 pairs = zip(free.velocities, self.flow.velocities, strict=True)
                 slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
                 held.append(_Constraint(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
-            return _with_reactions(given, held, sums, False)
+            return _with_reactions(given, held, impulses)
 
         def frame_with_impulses(own: Any) -> Frame:
             return Frame.quasi(

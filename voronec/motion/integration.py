@@ -6,7 +6,6 @@ A run that fails falls back before it refuses: on other methods and models, one 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil, isfinite, log2
@@ -26,6 +25,7 @@ from voronec.equations.program.python import precision
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
+from voronec.motion.constraint_geometry import divisor_program
 from voronec.motion.methods import METHODS, choose, is_exact
 from voronec.motion.motion_start import FAST, InitialState, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
@@ -49,7 +49,6 @@ from voronec.motion.singular_denominators import (
     guard_events,
     without_guards,
 )
-from voronec.motion.split_models import divisor_program
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Integrator, Problem, Run, Signals, Termination, constants_along
 from voronec.motion.tolerances import EXACT
@@ -86,10 +85,10 @@ class MotionRequest:
     start_data: StartData
     project: bool
 
-    def in_any_split(self, ways: Iterable[Way]) -> list[Way]:
-        """Ways that go on in other splits of the velocities where a divisor is near zero.
+    def in_any_velocities(self, ways: Iterable[Way]) -> list[Way]:
+        """Ways that go on in all velocities where a divisor is near zero.
 
-        Where one has gone through the splits of the same equations, the next would fail as it did.
+        Where one has gone on so from the same equations, the next would fail as it did.
         """
         tried: list[Any] = []
 
@@ -102,13 +101,12 @@ class MotionRequest:
                 if any(near.namespace.equations is equations for equations in tried):
                     return None
                 tried.append(near.namespace.equations)
-                found = self.in_ambient()
-                return found or replace(self, namespace=near.namespace).through_splits()
+                return self.in_ambient()
 
         return [partial(attempt, way) for way in ways]
 
-    def in_ambient(self) -> Trajectory | None:
-        """In the ambient formulation; None where there is none, or where it leads no farther."""
+    def in_ambient(self) -> Trajectory:
+        """In the ambient formulation."""
         from voronec.motion.ambient import ambient_formulation  # few motions need it
 
         home, time = self.namespace, float(self.grid[0])
@@ -117,55 +115,57 @@ class MotionRequest:
         reactions = bool(wanted.reactions) or home.holds_reactions(exprs)
         formulation = ambient_formulation(home.equations, reactions)
         if formulation is None:
-            return None
+            raise self._no_velocities()
+        formulation.check_events(self.functions.values())
         namespace = formulation.namespace(home.inputs)
-        with suppress(VoronecError, NearSingularDenominator):
-            bits = self._start_bits if is_exact(self.method, self.tol) else 0
-            given = formulation.start(home, self.start_data, self.outset, time, bits)
+        bits = self._start_bits if is_exact(self.method, self.tol) else 0
+        try:
+            given = formulation.start(home, self.start_data, self.outset, time, bits, self.project)
             outset = InitialState.of(namespace, given, time, False, self.outset.changing)
-            fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
-            if next(fastest) > FAST * next(fastest):
-                return None  # a slip, which is refused with its velocities
-            there = replace(
-                self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
-                outputs=(*self.outputs, *formulation.home_names), start_data=given,
-                functions={n: e.xreplace(namespace.inputs) for n, e in self.functions.items()},
-                tol=min(self.tol, max(NEAR * self.tol, EXACT)),
-            )  # fmt: skip
-            ways = (there.in_smallest, there.otherwise, there.on_coordinates)
+        except VoronecError as error:
+            raise self._no_velocities() from error
+        fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
+        if next(fastest) > FAST * next(fastest):
+            raise self._no_velocities()  # a slip, which is refused with its velocities
+        there = replace(
+            self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
+            outputs=(*self.outputs, *formulation.home_names), start_data=given,
+            functions={n: e.xreplace(namespace.inputs) for n, e in self.functions.items()},
+            tol=min(self.tol, max(NEAR * self.tol, EXACT)),
+        )  # fmt: skip
+        ways = (there.in_smallest, there.otherwise, there.on_coordinates)
+        try:
             return formulation.to_home(first_success(ways, time), wanted.names)
-        return None
+        except IntegrationError as error:
+            if error.trajectory is None:
+                raise self._no_velocities() from error
+            raise formulation.failure(error, wanted.names) from error
+        except NearSingularDenominator:
+            raise self._no_velocities() from None
+
+    def _no_velocities(self) -> VoronecError:
+        """The error where no velocities tell how a motion starts."""
+        home, time = self.namespace, float(self.grid[0])
+        ground, system = self.outset.ground(home.equations, time), home.equations.system
+        framed = self.outset.state if self.outset.framed else None
+        try:
+            WideStart.of(home, ground, self.start_data, self.project, framed)
+        except VoronecError as error:
+            return error
+        place = zip(map(plain_name, system.coordinates), self.outset.state, strict=False)
+        shown = ", ".join(f"{name} = {x:.6g}" for name, x in place)
+        return IntegrationError(
+            f"system '{system.name}': no velocities determine the motion at the initial point "
+            f"({shown}): the constraints are dependent or the coordinates singular; start "
+            "elsewhere",
+            time,
+            self.outset.state,
+        )
 
     @property
     def _start_bits(self) -> int:
         """In how many bits a start is computed that is exact."""
         return ceil(-log2(self.tol)) + 2 * MARGIN
-
-    def through_splits(self) -> Trajectory:
-        """On the coordinates, in one split of the velocities after another."""
-        # few motions need it, nor what is rough
-        from voronec.motion.transitions import SplitRun
-
-        own = self.namespace.equations
-        exact = is_exact(self.method, self.tol)
-        charted = None if exact else with_attitude_charts(own)
-        namespace = self.namespace if charted is None else Namespace.of(charted)
-        made = whole(namespace, self.outputs, self.functions)
-        ground = self.outset.ground(namespace.equations, float(self.grid[0]))
-        framed = self.outset.state if self.outset.framed and not exact else None
-        given = self.start_data
-        if self.outset.notes and self.outset.framed:  # what was moved is not moved elsewhere
-            system = namespace.equations.system
-            names = map(plain_name, (*system.coordinates, *system.velocities))
-            moved = dict(zip(names, self.outset.state.tolist(), strict=True))
-            given = replace(given, scene_initial={}, initial=moved)
-        start = WideStart.of(namespace, ground, given, self.project, framed)
-        return SplitRun(
-            namespace, replace(ground, framed=start.framed), made.watch, made.event_functions,
-            start, self.grid,
-            self.method, self.tol, self.events, self.dense, self.progress, self.outset.notes,
-            self._start_bits, self.began,
-        ).trajectory()  # fmt: skip
 
     def by_controllers(self, _: IntegrationError | None) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
@@ -648,8 +648,7 @@ def other_method(error: IntegrationError) -> str:
     """
     if error.singular or error.trajectory is None:
         return ""
-    # of several methods the last one failed
-    used = METHODS.get(error.trajectory.cost.method.rpartition(", ")[2])
+    used = METHODS.get(error.trajectory.cost.method)
     return used.other if used is not None else ""
 
 

@@ -295,9 +295,8 @@ def _best(problem: Problem, grid: np.ndarray) -> tuple[str, str, float]:
     """The method to take, why, and how many times finer its tolerance has to be."""
     from voronec.motion.method_costs import FINER, dop853_is_cheaper, is_stiff
 
-    brief = problem.brief is not None
-    compiled = "" if brief else compiled_method()
-    if problem.tol >= FINEST and problem.program.state and not brief:
+    compiled = compiled_method()
+    if problem.tol >= FINEST and problem.program.state:
         if not problem.switching_surfaces and is_stiff(problem, grid):
             return "lsoda", "the motion is stiff", FINER
         light = problem.program.weight <= HEAVY and not METHODS["heyoka"].absence
@@ -325,8 +324,7 @@ def _usual(problem: Problem, grid: np.ndarray, compiled: str) -> tuple[str, str]
     from voronec.motion.steppers import TRIAL, estimated_steps
 
     cost = STAGES * (problem.program.operations + 1)
-    # each part of a run through splits is compiled for, and may end at once
-    enough = TINY if there and problem.brief is None else COMPILATION
+    enough = TINY if there else COMPILATION
     steps = None if soon and TRIAL * cost > enough else estimated_steps(problem, grid)
     if steps is not None and steps * cost <= enough:
         other = "heyoka" if there else compiled

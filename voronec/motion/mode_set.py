@@ -23,7 +23,7 @@ from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, m
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run, narrow, restart, widen
+from voronec.motion.steppers import Integrator, Problem, Run, narrow, natural_units, restart, widen
 
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""
@@ -246,6 +246,8 @@ class ModeSet:
             exact=None, switching_surfaces=frozenset(ends),
             suspect=None if along else given.suspect, progress=self.progress,
             apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
+            # what has come to rest but for rounding is measured as it was while it moved
+            units=natural_units(given) if along else given.units,
         )  # fmt: skip
 
     def _choose_stepper(self, problem: Problem) -> tuple[Any, dict[str, Any]]:

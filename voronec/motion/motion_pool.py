@@ -16,6 +16,7 @@ from voronec.equations.motions import Motions
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, IntegrationError, VoronecError
+from voronec.motion.constraint_geometry import ConstraintGeometry
 from voronec.motion.formulation import SmallestModels
 from voronec.motion.initial_conditions import parameter_values, start_of, starts_in_arrays
 from voronec.motion.motion_start import require_inertia
@@ -23,7 +24,6 @@ from voronec.motion.observables import size_of_terms
 from voronec.motion.request import Namespace, Starts, name_values
 from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.singular_denominators import NEAR, SingularDenominator
-from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
 from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
@@ -115,7 +115,7 @@ class Many:
         below = {f"start {x}": e for x, e in named}
         below |= {f"frozen {name}": e for name, e in ground.frozen.items()}
         constants = {name: float(x[i]) for name, x in self.parameters.items()}
-        places = SplitContext(equations, constants, self.time)
+        places = ConstraintGeometry(equations, constants, self.time)
         program = quantities(equations.raw.form, below)
         rough = self.program.is_rough
         return tuple(places.watch_divisors(ground.form, program, self.full[i], rough))

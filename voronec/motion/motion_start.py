@@ -32,6 +32,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError
+from voronec.motion.constraint_geometry import ConstraintGeometry
 from voronec.motion.formulation import ModelCache
 from voronec.motion.initial_conditions import (
     CONSISTENT,
@@ -56,7 +57,6 @@ from voronec.motion.singular_coordinates import (
     polar_directions,
 )
 from voronec.motion.singular_denominators import NEAR
-from voronec.motion.split_models import SplitContext
 from voronec.motion.state_probe import StateProbe, quantities, rates_program
 from voronec.motion.steppers import Signals
 
@@ -66,7 +66,7 @@ def rates_at(
 ) -> Rates:
     """The velocities that follow by a form of the equations, or, where that has a pole or loses all
     digits, by their normal form; not a number where that does, too."""
-    ground = SplitContext(equations, constants, time)
+    ground = ConstraintGeometry(equations, constants, time)
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
         found = v
@@ -87,7 +87,7 @@ def _rates_program(equations: VoronecEquations, form: Any) -> Program:
 
     def make() -> Program:
         d = equations.definition
-        model_cache = ModelCache(equations.system, ["rates", kind, d.near, d.share])
+        model_cache = ModelCache(equations.system, ["rates", kind, d.near])
         program = model_cache.once("program", lambda: rates_program(form, d.fibre_velocities))
         model_cache.keep()
         return program
@@ -95,7 +95,7 @@ def _rates_program(equations: VoronecEquations, form: Any) -> Program:
     return equations.memo.once(("rates", kind), make)
 
 
-def _are_rates(ground: SplitContext, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
+def _are_rates(ground: ConstraintGeometry, q: np.ndarray, v: np.ndarray, w: np.ndarray) -> bool:
     """Whether velocities w (n, k) of coordinates meet A w + a = 0 and F w + f = v, for v (m, k):
     where a pivot is rounding alone, quotients by it are finite, and mean nothing."""
     if ground.home.definition.group is not None:
@@ -108,7 +108,7 @@ def _are_rates(ground: SplitContext, q: np.ndarray, v: np.ndarray, w: np.ndarray
     return bool((np.abs(off) <= CONSISTENT * size).all())
 
 
-def _at_rest(namespace: Namespace, ground: SplitContext, given: StartData) -> np.ndarray:
+def _at_rest(namespace: Namespace, ground: ConstraintGeometry, given: StartData) -> np.ndarray:
     """The coordinates at the start, with velocities that are zero."""
     values = [
         numbers_of(namespace, part, ground.constants)
@@ -120,15 +120,15 @@ def _at_rest(namespace: Namespace, ground: SplitContext, given: StartData) -> np
     return np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
 
 
-def _is_frame(ground: SplitContext, wide: np.ndarray) -> bool:
+def _is_frame(ground: ConstraintGeometry, wide: np.ndarray) -> bool:
     """Whether the velocities of the equations are a frame at the start, as well as it matters."""
     try:
-        return ground.geometry(ground.time, wide).quality > NEAR
+        return ground.frame_quality(ground.time, wide) > NEAR
     except np.linalg.LinAlgError:
         return True
 
 
-def _require_frame(ground: SplitContext, state: np.ndarray) -> None:
+def _require_frame(ground: ConstraintGeometry, state: np.ndarray) -> None:
     """Refuse a start on coordinates and velocities v that are no frame there, but for poles."""
     d = ground.home.definition
     wide = np.concatenate([state[: len(d.coordinates)], np.zeros(len(d.dots))])
@@ -136,7 +136,7 @@ def _require_frame(ground: SplitContext, state: np.ndarray) -> None:
         raise NoFrame(NO_VELOCITIES.format(ground.home.system.name))
 
 
-def _only_angles_fail(ground: SplitContext, wide: np.ndarray) -> bool:
+def _only_angles_fail(ground: ConstraintGeometry, wide: np.ndarray) -> bool:
     """Whether a wide state is where angles are singular and charts lead on, and the velocities v
     leave nothing open there but what is no motion."""
     blind = blind_directions(ground, wide)
@@ -174,9 +174,9 @@ class InitialState:
         """Whether it is at a pole of Euler's angles."""
         return bool(polar_directions(equations, self.state).shape[1])
 
-    def ground(self, equations: VoronecEquations, time: float) -> SplitContext:
-        """What the splits of the motion that starts here share."""
-        return SplitContext(equations, self.constants, time, changing=self.changing)
+    def ground(self, equations: VoronecEquations, time: float) -> ConstraintGeometry:
+        """The constraints, the frame and the inertia of the motion that starts here."""
+        return ConstraintGeometry(equations, self.constants, time, changing=self.changing)
 
     @property
     def steady(self) -> dict[str, float]:
@@ -236,9 +236,9 @@ class InitialState:
             )
             require_inertia(equations, constants, start.state, time)
             if start.notes:  # velocities that are no frame lie off what they are, and were "moved"
-                _require_frame(SplitContext(equations, constants, time), start.state)
+                _require_frame(ConstraintGeometry(equations, constants, time), start.state)
         except (DefinitionError, IntegrationError) as error:
-            ground = SplitContext(equations, constants, time)
+            ground = ConstraintGeometry(equations, constants, time)
             rest = _at_rest(namespace, ground, given)
             # rates of angles are no numbers at their poles, whatever rounding makes of them
             known = start is not None or not blind_directions(ground, rest).shape[1]
@@ -269,7 +269,7 @@ class WideStart:
     """
 
     namespace: Namespace
-    ground: SplitContext
+    ground: ConstraintGeometry
     start_data: StartData
     wide: np.ndarray
     targets: tuple[str, ...]
@@ -280,7 +280,7 @@ class WideStart:
     def of(
         cls,
         namespace: Namespace,
-        ground: SplitContext,
+        ground: ConstraintGeometry,
         given: StartData,
         project: bool,
         framed: np.ndarray | None = None,
@@ -352,7 +352,7 @@ class WideStart:
 
 
 def _exact_place(
-    namespace: Namespace, ground: SplitContext, given: StartData, bits: int
+    namespace: Namespace, ground: ConstraintGeometry, given: StartData, bits: int
 ) -> tuple[dict[str, Any], dict[str, Any], np.ndarray]:
     """The parameters and all that is given by name, and the coordinates, as mpmath's numbers."""
     constants = {name: mpmath.mpf(x) for name, x in ground.constants.items()}
@@ -376,7 +376,7 @@ time, is a slip: velocities of a moderate motion, rounded elsewhere, ask for no 
 
 def _sharp_velocities(
     namespace: Namespace,
-    ground: SplitContext,
+    ground: ConstraintGeometry,
     given: StartData,
     q: np.ndarray,
     later: Mapping[str, float],
@@ -426,7 +426,7 @@ class _Conditions:
     blind: np.ndarray
 
     @classmethod
-    def at(cls, ground: SplitContext, q: np.ndarray, constants: Any = None) -> _Conditions:
+    def at(cls, ground: ConstraintGeometry, q: np.ndarray, constants: Any = None) -> _Conditions:
         """The conditions at coordinates q, of doubles or mpmath's numbers."""
         d, system = ground.home.definition, ground.home.system
         rest = (
@@ -447,7 +447,7 @@ class _Conditions:
         rates = dict(zip(slopes, rows, strict=False))
         return cls(system, conditions, frame, rates, names, own, blind_directions(ground, wide))
 
-    def require_motion(self, ground: SplitContext, q: np.ndarray) -> None:
+    def require_motion(self, ground: ConstraintGeometry, q: np.ndarray) -> None:
         """Refuse a start where coordinates may change though nothing moves, and no chart sees it:
         what happens there they do not tell."""
         idle = idle_directions(ground, np.concatenate([q, np.zeros(len(self.dots))]))

@@ -137,7 +137,7 @@ class PreparedProblem:
             if driven.changing is not None and driven.changing.feedbacks:
                 return request.by_controllers(None)
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
-            return first_success(request.in_any_split(ways), start)
+            return first_success(request.in_any_velocities(ways), start)
 
         try:
             found = read.cuts.motion(go, read.outputs, read.functions, guards, grid)

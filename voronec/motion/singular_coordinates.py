@@ -24,9 +24,9 @@ from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
+from voronec.motion.constraint_geometry import ConstraintGeometry, numbers_of_chart
 from voronec.motion.numeric_model import ProgrammedModel
 from voronec.motion.request import Guard
-from voronec.motion.split_models import SplitContext, numbers_of_chart
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Problem, Run, Termination
 
@@ -271,7 +271,7 @@ def _is_singular(
     return bool((~(sizes < LARGE)).any())
 
 
-def blind_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
+def blind_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of the directions in which coordinates may change at a wide state
     though nothing moves; k is zero where coordinates are regular."""
     if ground.home.definition.group is not None:
@@ -302,7 +302,7 @@ def polar_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarr
     return np.array(found).reshape(-1, len(d.dots)).T
 
 
-def charted_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
+def charted_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of what the declared chart that is best at a wide state does not
     see; k is zero where the system's own coordinates are regular, or no chart is."""
     system = ground.home.system
@@ -319,7 +319,7 @@ def charted_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
 
 
-def carried_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
+def carried_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray:
     """An orthonormal basis (N, k) of the directions in which coordinates without inertia may change
     at a wide state: carried along by others, they have a pole there."""
     count = len(ground.home.definition.coordinates)
@@ -340,7 +340,7 @@ IDLE, BESIDE = 1e-15, 0.1
 its diagonal is one where all coordinates are larger by the other, if it is not singular there."""
 
 
-def idle_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
+def idle_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray:
     """A basis (N, k) of the directions in which coordinates may change at a wide state though
     neither inertia nor constraints resist, while they do beside it: the contact of a disc that lies
     flat may be any point of its rim."""
@@ -359,7 +359,7 @@ def idle_directions(ground: SplitContext, wide: np.ndarray) -> np.ndarray:
     return np.asarray((vectors / units[:, None])[:, (sizes < IDLE) & regular])
 
 
-def _may_be_singular(ground: SplitContext, chart: Chart, wide: np.ndarray) -> bool:
+def _may_be_singular(ground: ConstraintGeometry, chart: Chart, wide: np.ndarray) -> bool:
     """Whether the own coordinates may be singular at a wide state, where a chart is declared."""
     d = ground.home.definition
     at = {se.Symbol(name): se.RealDouble(float(x)) for name, x in ground.constants.items()}
@@ -380,7 +380,9 @@ def open_beyond(rows: np.ndarray, blind: np.ndarray) -> np.ndarray:
     return np.asarray(ways - blind @ (blind.T @ ways))
 
 
-def _distances(ground: SplitContext, chart: Chart, wide: np.ndarray) -> tuple[float, float, Any]:
+def _distances(
+    ground: ConstraintGeometry, chart: Chart, wide: np.ndarray
+) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
     found = numbers_of_chart(ground, chart, ground.time, wide.astype(float))

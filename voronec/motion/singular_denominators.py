@@ -9,17 +9,7 @@ fail, at the pole of a sphere, the metric
 
 is singular as well; those divisors are the business of charts.
 
-Constraints may be dependent at a place, though the velocities they admit are known by continuity:
-
-    gamma4 Omega12 = gamma2 Omega14 - gamma1 Omega24,  and so on for the pairs 13 and 23
-
-are two conditions where gamma4 = 0, and three beside it.  Solved for other velocities, in normal
-form, they have the divisor gamma1 in its place, and are good where that is not 0.  Which ones is
-told by the velocities that are admissible beside the place; that these have a limit there, and it
-is what the solution says, is looked at in numbers.
-
-That is so on a group: its frame is good everywhere, so that it is the constraints that fail.  Where
-coordinates that are carried along have a pole,
+Where coordinates that are carried along have a pole,
 
     du1/dt = x,    dv1/dt = y/sin(u1),    dtheta/dt = -n - y cot(u1),
 
@@ -44,9 +34,6 @@ import symengine as se
 from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.graphs import bases
 from voronec.algebra.normal import canonical
-from voronec.declaration.system import System
-from voronec.equations.definition import read
-from voronec.equations.derivation import Derivation
 from voronec.equations.program.switches import Sides, is_rough, plain_roots
 from voronec.motion.request import Guard, Namespace
 from voronec.motion.state_probe import usual_size
@@ -69,15 +56,12 @@ LOW, TOUCH = 1e-2, 1e-9
 random place as the one; it does where the search from there finds it as small as the other."""
 DESCENTS, DESCENT, SLOPE = 8, 12, 1e-6
 """From so many places, in so many steps, with slopes taken over such a part of a coordinate."""
-NEAR, CLEAR = 0.1, 0.15
-"""Below the one, in units of its usual size, a divisor makes its split be left; above the other a
-split is good enough.  What is lost in digits is the square of such a number at most."""
+NEAR = 0.1
+"""Below this, in units of its usual size, a divisor makes its velocities be left for all: what is
+lost in digits is the square of such a number at most."""
 
 EDGE = 1.01
 """A divisor so close to its level is at it: a passage at the start is not seen."""
-GAIN = 4.0
-"""A split is left for another only where that is so many times better."""
-
 Field = Callable[[np.ndarray], np.ndarray]
 """States (n, k), a column each, to values (m, k)."""
 
@@ -89,15 +73,16 @@ class SingularDenominator:
     function: Any
     scale: float
 
-    def exponent(self, level: float = NEAR) -> int:
-        """The logarithm to base two of the value that is watched for a level, the nearest whole
-        one: so that programs differ little."""
-        return round(log2(level * self.scale))
+    @property
+    def exponent(self) -> int:
+        """The logarithm to base two of the value that is watched, the nearest whole one: so that
+        programs differ little."""
+        return round(log2(NEAR * self.scale))
 
     def is_near(self, size: float) -> bool:
         """Whether a value, in units of the usual one, is at the level that is watched or below: a
         motion that starts there does not pass it."""
-        return size * self.scale <= EDGE * 2.0 ** self.exponent()
+        return size * self.scale <= EDGE * 2.0**self.exponent
 
 
 @lru_cache(maxsize=32)  # it is asked before every run
@@ -250,25 +235,19 @@ def _middle_size(sizes: np.ndarray) -> float:
 
 def guard_events(
     guards: Sequence[SingularDenominator],
-    level: float = NEAR,
-    direction: int = 0,
-    bounds: Sequence[Any] = (),
 ) -> tuple[tuple[Guard, ...], dict[str, Any]]:
-    """Events that end a run where a divisor passes a level, in units of its usual size, and their
-    functions by name; by default where it comes near zero.  Symbols of ``bounds`` stand for the
-    values that are watched, where programs are made once for all of them."""
-    names = [f"divisor {i} at {level}" for i in range(len(guards))]
-    watched = bounds or [se.Integer(2) ** g.exponent(level) for g in guards]
+    """Events that end a run where a divisor comes near zero, and their functions by name."""
+    names = [f"divisor {i} near zero" for i in range(len(guards))]
     functions = {
-        name: g.function**2 - bound**2
-        for name, g, bound in zip(names, guards, watched, strict=True)
+        name: g.function**2 - (se.Integer(2) ** g.exponent) ** 2
+        for name, g in zip(names, guards, strict=True)
     }
-    return tuple(Guard(name, direction, stop=True) for name in names), functions
+    return tuple(Guard(name, 0, stop=True) for name in names), functions
 
 
 class NearSingularDenominator(Exception):
-    """A model divides by what comes near zero: the splits of its system, that of ``vocabulary``,
-    have to be used."""
+    """A model of the system of ``namespace`` divides by what comes near zero: all velocities have
+    to be taken."""
 
     def __init__(self, namespace: Namespace) -> None:
         super().__init__("a divisor comes near zero")
@@ -286,10 +265,6 @@ def without_guards(run: Run, guards: Sequence[SingularDenominator], namespace: N
 
 DEPENDENT = 1e-3
 """Constraints whose least singular value is below this part of the largest are dependent."""
-BESIDE, SIDES = 1e-4, 4
-"""So far away, in units of the coordinates' size, and at so many places it is looked beside."""
-LIMIT = 1e-2
-"""By less than this part do velocities that are admissible beside the place miss the limit."""
 
 
 def are_dependent(rows: np.ndarray) -> bool:
@@ -301,34 +276,6 @@ def are_dependent(rows: np.ndarray) -> bool:
 def _unit(rows: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.asarray(rows / np.where(lengths == 0, 1.0, lengths))
-
-
-def places_beside(q: np.ndarray) -> np.ndarray:
-    """Places (n, k) beside coordinates q (n,)."""
-    dice = Random(0)
-    ways = np.array([dice.uniform(-1, 1) for _ in range(q.size * SIDES)]).reshape(-1, SIDES)
-    return np.asarray(q[:, None] + BESIDE * max(1.0, np.abs(q).max(initial=0.0)) * ways)
-
-
-def solution_rows(system: System, directions: Sequence[Any]) -> list[list[Any]]:
-    """Rows of the constraints, each with its offset, solved for the fibre of a group in normal
-    form; a column for each of the ``directions``, the same velocities in another order."""
-    found = Derivation(read(system), exact=True).fibre
-    own = {w: a for a, w in enumerate(system.directions)}
-    rows = []
-    for k, (slopes, offset) in enumerate(zip(found.matrix, found.offset, strict=True)):
-        unit = [se.Integer(int(k == i)) for i in range(len(found.matrix))]
-        row = [*(-s for s in slopes), *unit]
-        rows.append([*(row[own[w]] for w in directions), -offset])
-    return rows
-
-
-def has_limit(rows: np.ndarray, beside: Sequence[np.ndarray]) -> bool:
-    """Whether rows (m, N) are numbers, and hold for what is admissible beside, by bases (N, k)."""
-    if not np.isfinite(rows).all():
-        return False
-    left = _unit(rows)
-    return all(np.abs(left @ ways).max(initial=0.0) < LIMIT for ways in beside)
 
 
 DIGITS = 120

@@ -3,8 +3,8 @@ progress, Ctrl-C, the direction of time and the limit on changes that lead nowhe
 
 A ``Phase`` is one program with the stepper that integrates it.  It runs until the end of the grid,
 until an instant of its own, or until a guard stops it; the ``Transition`` that owns the guard then
-says what is next: another phase, or a halt.  What a phase runs may be such a loop itself: one split
-of the velocities goes through charts or modes, and each of these through pieces of inputs.
+says what is next: another phase, or a halt.  What a phase runs may be such a loop itself: charts
+and modes go through pieces of inputs.
 """
 
 from __future__ import annotations

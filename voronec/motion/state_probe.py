@@ -137,7 +137,7 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
-        massive = np.count_nonzero(np.diag(mass))  # rows of multipliers hold none
+        massive = np.count_nonzero(np.diag(mass) > 0)  # rows of multipliers hold none
         sound = not len(sizes) or (sizes > 0).sum() >= massive
         return () if sound else (INDEFINITE,)
 
@@ -202,7 +202,7 @@ class StateProbe:
         units = _units(base)
         scale = np.outer(units, units) if units.all() else np.ones_like(base)
         negative = int(((sizes if units.all() else np.linalg.eigvalsh(base)) < 0).sum())
-        least_sound = SINGULAR if np.diag(base).all() else DEPENDENT
+        least_sound = SINGULAR if (np.diag(base) > 0).all() else DEPENDENT
 
         def first(t: np.ndarray, states: np.ndarray) -> int | None:
             if not negative and _are_definite(self._lower_rows(t, states), np.diag(scale)):
@@ -342,10 +342,9 @@ def _scaled_eigenvalues(scale: np.ndarray, mass: np.ndarray) -> np.ndarray:
 
 
 def _units(mass: np.ndarray) -> np.ndarray:
-    """The square roots of the diagonal, and units of rows without one, as of multipliers, in which
-    their largest entry is one."""
-    units = np.sqrt(np.abs(np.diag(mass)))
-    massive = units > 0
+    """The square roots of the diagonal, and units of rows without a positive one, as of
+    multipliers, in which their largest entry is one."""
+    units, massive = np.sqrt(np.abs(np.diag(mass))), np.diag(mass) > 0
     for i in np.flatnonzero(~massive):
-        units[i] = (np.abs(mass[i, massive]) / units[massive]).max(initial=0.0)
+        units[i] = (np.abs(mass[i, massive]) / units[massive]).max(initial=units[i])
     return units

@@ -46,11 +46,10 @@ NO_INTEGRATOR = "the motion between the instants stayed with the integrator when
 class Cost:
     """What a trajectory cost.
 
-    ``method`` was chosen for ``reason``; a run through several splits of the velocities names all
-    that worked, in order (``heyoka, scipy``), and the reason for the first.  ``tolerance`` is the
-    one in force.  ``setup`` (deriving and compiling) and ``run`` are seconds.  ``evaluations``
-    counts those of the right-hand side; a Taylor method expands it once a step, and then both
-    numbers agree.  ``switches`` counts changes of chart, or of the side of a switching surface;
+    ``method`` was chosen for ``reason``.  ``tolerance`` is the one in force.  ``setup`` (deriving
+    and compiling) and ``run`` are seconds.  ``evaluations`` counts those of the right-hand side; a
+    Taylor method expands it once a step, and then both numbers agree.  ``switches`` counts changes
+    of chart, or of the side of a switching surface;
     ``formulation`` says in which variables the equations stood; ``cpu`` are the seconds of the
     processor that the run took.
     """

@@ -37,7 +37,7 @@ STAGES = {
     "derivation": ("/voronec/equations/",),
     "checks": (
         "/voronec/motion/verify", "/voronec/motion/step_defects", "/voronec/motion/state_probe",
-        "/voronec/motion/split_models", "/voronec/motion/divisors",
+        "/voronec/motion/constraint_geometry", "/voronec/motion/singular_denominators",
         "/voronec/motion/singular_coordinates",
     ),
     "run": (

@@ -257,9 +257,12 @@ class _SymbolTable:
 
     def accelerations(self) -> dict[Any, Any]:
         """What forces may hold besides: of each its symbol, in terms of those of qdot."""
-        symbols = [self.names.symbol(velocity(velocity(x))) for x in self.system.coordinates]
-        found = {}
-        for v in self.system.velocities if self.system.frame is not None else ():
+        system = self.system
+        dots = system.directions if system.on_group else map(velocity, system.coordinates)
+        symbols, found = [self.names.symbol(velocity(w)) for w in dots], {}
+        if system.on_group:
+            return {a: a for a in symbols}
+        for v in system.velocities if system.frame is not None else ():
             meant = self.definitions[self.names.symbol(v)]
             parts = (meant.diff(w) * a for w, a in zip(self.v, symbols, strict=True))
             found[self.names.symbol(velocity(v))] = se.Add(self.drift(meant), *parts)
@@ -351,8 +354,6 @@ def _read_forces(inside: _SymbolTable) -> tuple[list[Any], list[Any]]:
     """The forces without accelerations, and their slopes by each of these, row by row."""
     system, zero = inside.system, sp.Integer(0)
     applied = [inside.enter(system.forces.get(x, zero)) for x in system.directions]
-    if system.on_group:
-        return applied, [se.Integer(0)] * len(inside.v) ** 2
     meant = inside.accelerations()
     symbols = [a for a, expr in meant.items() if a == expr]
     spelled = [f.xreplace(meant) for f in applied]

@@ -171,7 +171,7 @@ class SmallestModels:
                 kept.clear()
             # constraints are solved so that this is defined at a point, and as well conditioned
             d = motions.equations.definition
-            model_cache = ModelCache(motions.system, [key, d.near, d.share])
+            model_cache = ModelCache(motions.system, [key, d.near])
             formulations = partial(_formulations, motions, wanted, integrals, thorough, followed)
             kept[key] = cls(model_cache, motions, formulations)
         found: SmallestModels = kept[key]

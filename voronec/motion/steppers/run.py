@@ -63,8 +63,7 @@ class Problem:
     integrator may look for them only where the ends of a step do not exclude them.  ``switching
     surfaces`` are those at which the right side ceases to hold: they count however near to the
     start. Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of
-    steps. What is ``brief`` ends, most likely, after so much time, long before its grid does: numba
-    and, for heavy programs, heyoka compile for longer.
+    steps.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
     ``measured`` are quantities that controllers are told besides the states.
@@ -85,7 +84,6 @@ class Problem:
     switching_surfaces: frozenset[str] = frozenset()
     marked: bool = False
     units: np.ndarray | None = None
-    brief: float | None = None
     apart: frozenset[str] = frozenset()
     measured: Program | None = None
 

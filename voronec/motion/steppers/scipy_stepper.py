@@ -67,8 +67,7 @@ def lsoda(problem: Problem) -> Integrator:
 def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
     """How many steps of DOP853 a run will take, or None where it does not get under way.
 
-    A few steps are taken, and the rest, up to where a ``brief`` run will end, is counted with the
-    last of them.
+    A few steps are taken, and the rest is counted with the last of them.
     """
     from scipy.integrate import DOP853
 
@@ -85,9 +84,7 @@ def estimated_steps(problem: Problem, grid: np.ndarray) -> int | None:
                     return None
         except IntegratorFailure:
             return None
-    span = abs(float(grid[-1] - grid[0]))
-    ahead = span if problem.brief is None else min(span, problem.brief)
-    left = max(ahead - abs(float(solver.t - grid[0])), 0.0)
+    left = abs(float(grid[-1] - solver.t))
     return TRIAL + int(left / solver.step_size)
 
 

@@ -18,15 +18,14 @@ if TYPE_CHECKING:
     from voronec.motion.transitions.modes import (
         through_switching_surfaces as through_switching_surfaces,
     )
-    from voronec.motion.transitions.splits import SplitRun as SplitRun
 
 _HOME = {
     "through_charts": "charts", "SwitchedIntegrator": "modes", "is_switched": "modes",
-    "through_switching_surfaces": "modes", "SplitRun": "splits",
+    "through_switching_surfaces": "modes",
 }  # fmt: skip
 
 __all__ = [
-    "ZENO", "Arrival", "Guard", "Phase", "Solver", "SplitRun", "SwitchedIntegrator", "Transition",
+    "ZENO", "Arrival", "Guard", "Phase", "Solver", "SwitchedIntegrator", "Transition",
     "choose", "is_switched", "quantities", "restart", "through_charts",
     "through_switching_surfaces",
 ]  # fmt: skip
