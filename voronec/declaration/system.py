@@ -462,6 +462,24 @@ def bare(system: System, name: str, **changes: Any) -> System:
     return replace(system, name=name, **{**empty, **changes})
 
 
+def spell_out(
+    system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
+    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
+    names = ("lagrangian", "constraints", "forces")
+    own = {name: getattr(system, name) for name in names} | dict(changes or {})
+
+    def on(expr: Any) -> Any:
+        return as_expression(expr).xreplace(meaning)
+
+    return {
+        "lagrangian": on(own["lagrangian"]),
+        "constraints": tuple(map(on, own["constraints"])),
+        "forces": {q: on(e) for q, e in own["forces"].items()},
+    }
+
+
 LONGEST_NAME = 100
 """How long a name may be."""
 

@@ -21,12 +21,11 @@ import sympy as sp
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Frame
-from voronec.declaration.system import bare
+from voronec.declaration.system import bare, spell_out
 from voronec.dynamics.natural_integrals import is_long
 from voronec.equations.attitudes import EulerAngles, euler_angles
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import VoronecError
-from voronec.motion.split_models import spell_out
 
 DIRECTION = ("n1", "n2", "n3", "n1dot", "n2dot")
 BODY = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")

@@ -33,7 +33,7 @@ from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import right_of
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.system import System, bare, system_in
+from voronec.declaration.system import System, bare, spell_out, system_in
 from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
@@ -245,7 +245,7 @@ def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
         for name, split in _charts_of_velocities(system).items()
     }
     moved = bare(
-        system, system.name, **free(_spell_out(system, frame), d), frame=None,
+        system, system.name, **free(spell_out(system, frame), d), frame=None,
         fibration=Fibration((*system.coordinates, *sums)), charts=charts,
     )  # fmt: skip
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
@@ -354,24 +354,6 @@ def _fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
     return sp.Symbol(name)
 
 
-def _spell_out(
-    system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
-    meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
-    names = ("lagrangian", "constraints", "forces")
-    own = {name: getattr(system, name) for name in names} | dict(changes or {})
-
-    def on(expr: Any) -> Any:
-        return as_expression(expr).xreplace(meaning)
-
-    return {
-        "lagrangian": on(own["lagrangian"]),
-        "constraints": tuple(map(on, own["constraints"])),
-        "forces": {q: on(e) for q, e in own["forces"].items()},
-    }
-
-
 def _charts_of_velocities(system: System) -> dict[str, Chart]:
     """The charts of a system in the velocities of the coordinates, which follow these."""
     return {name: _chart_of_velocities(system, chart) for name, chart in system.charts.items()}
@@ -391,7 +373,7 @@ def _chart_of_velocities(system: System, chart: Chart) -> Chart:
         state=own(chart.state),
         back=own(chart.back),
         double_cover=tuple(map(own, chart.double_cover)),
-        changes=_spell_out(system, frame, changes),
+        changes=spell_out(system, frame, changes),
     )
 
 
@@ -420,7 +402,7 @@ class _FrameFormulation:
             for name, chart in home.charts.items()
         }
         base, fibre = home.fibration.base, home.fibration.fibre
-        parts = {n: self._release(n, x) for n, x in _spell_out(home, None).items()}
+        parts = {n: self._release(n, x) for n, x in spell_out(home, None).items()}
         return bare(
             home, home.name, **parts, charts=charts, invariants=home.invariants,
             fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
@@ -446,7 +428,7 @@ class _FrameFormulation:
     @cached_property
     def constraints(self) -> list[Any]:
         """The released constraints c as functions of its state."""
-        given = _spell_out(self.home.system, self.frame)["constraints"][-self.count :]
+        given = spell_out(self.home.system, self.frame)["constraints"][-self.count :]
         own = [self.motions.on_coordinates.read(c) for c in given]
         if not self.free.invariants:
             return own
