@@ -6,6 +6,7 @@ The page is played by Chromium, where it is installed; what needs no browser is 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -188,6 +189,9 @@ def test_sliders_integrate_in_the_page(tab: browser.Tab, tmp_path: Path) -> None
     )
     expected = np.stack([ours[name] for name in names], axis=1)
     np.testing.assert_allclose(states, expected, rtol=1e-6, atol=1e-6)
+    said = [row["text"] for row in tab.value("curveRows()")]
+    scale = r"changes by [-\d.e]+ of [-+\d.e]+, the size of its terms$"
+    assert any(re.search(scale, one) for one in said), said
     tab.value("document.getElementById('restore').click()")
     assert tab.value("[...now.start, ...now.parameters]") == given
     assert not complaints(tab)
