@@ -459,6 +459,12 @@ def test_a_declared_multiplier_is_found_untold(name: str) -> None:
     assert abs(values[0] - values[1]) < 1e-25 if ratio.free_symbols else ratio == 1
 
 
+def test_a_multiplier_of_a_case_in_four_dimensions_is_found_without_the_determinants_name() -> None:
+    system = vo.load("veselova-in-rn")
+    found = vo.search_reducing_multipliers(system, at=system.cases["J = a a"].parameters).found
+    assert found is not None and found.verdict.proved
+
+
 def test_a_multiplier_that_is_not_there_is_excluded() -> None:
     result = vo.search_reducing_multipliers(vo.load("falling-disc"))
     assert result.found is None and result.excluded and "proved not to exist" in result.statement

@@ -274,7 +274,8 @@ class _Ansatz:
             raise EngineLimit(
                 f"the exponent has {count} monomials, more than {CLASS_LIMIT}; lower its degree"
             )
-        named = [] if field.determinant is None else [determinant(field.mass)]
+        by_name = field.determinant is not None and weight is None
+        named = [determinant(field.mass)] if by_name else []
         held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
         factors = list(dict.fromkeys(usable))[: FACTORS + len(own)]
