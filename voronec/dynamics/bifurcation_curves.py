@@ -38,8 +38,8 @@ SMALL = 1e-6
 critical points go on; second variations below it vanish."""
 SAME = 2e-3
 """Curves are one where their values and normals differ by less, in the window."""
-MARGIN = 0.02
-"""Curves are followed so far beyond the window."""
+MARGIN = 0.25
+"""Curves are found and followed so far beyond the window."""
 RECENT = 256
 """What was computed at so many points is kept."""
 KINDS = ("stable", "saddle", "degenerate", "isolated")
@@ -198,7 +198,8 @@ def critical_curves(
         ys = [*back[::-1], y, *there]
         known.append(_path(points, ys))
         found.append(_curve(points, ys, [points.kind(z) for z in ys]))
-    return [c for c in found if len(c) > 1 or not _ends_there(c, found, size)]
+    shown = [c for c in found if (np.abs((c.values - low) / size - 0.5) <= 0.5).all(axis=1).any()]
+    return [c for c in shown if len(c) > 1 or not _ends_there(c, shown, size)]
 
 
 def _ends_there(isolated: CriticalCurve, curves: Sequence[CriticalCurve], size: np.ndarray) -> bool:
