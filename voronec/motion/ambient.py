@@ -57,7 +57,7 @@ class AmbientFormulation:
 
     ``beside`` gives those of their velocities that no velocities of coordinates are, by name, as
     functions of the coordinates and velocities of home, in the user's symbols; ``meaning`` the
-    velocities of home that they do not have, as functions of theirs.
+    velocities and invariants of home that they do not have, as functions of theirs.
     """
 
     home: VoronecEquations
@@ -249,10 +249,10 @@ def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
         fibration=Fibration((*system.coordinates, *sums)), charts=charts,
     )  # fmt: skip
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
-    named = dict(zip(system.invariant_symbols, system.invariants.values(), strict=True))
+    meaning |= zip(system.invariant_symbols, system.invariants.values(), strict=True)
     conditions = (*d.constraints.expressions(d.dots), *d.differentiated.expressions(d.dots))
     form = replace(home.raw.form, velocities=d.dots)
-    integrals = _integrals(system, d.bridge, {**meaning, **named}, form, conditions)
+    integrals = _integrals(system, d.bridge, meaning, form, conditions)
     return AmbientFormulation(home, derive(replace(moved, integrals=integrals)), {}, meaning)
 
 
@@ -336,8 +336,8 @@ def _on_group(home: VoronecEquations) -> AmbientFormulation:
     }
     out = d.bridge.outward
     meaning = {out(x): out(e) for x, e in parts.items()}
+    meaning |= zip(system.invariant_symbols, system.invariants.values(), strict=True)
     spelled = meaning | {out(w): out(e) for w, e in solved.items()}
-    spelled |= zip(system.invariant_symbols, system.invariants.values(), strict=True)
     form = replace(home.raw.form, velocities=(*free,))
     rest = [conditions[k] for k in held]
     integrals = _integrals(system, d.bridge, spelled, form, rest)
