@@ -26,7 +26,7 @@ from voronec.dynamics.natural_integrals import is_long
 from voronec.equations.attitudes import EulerAngles, euler_angles
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import VoronecError
-from voronec.motion.split_models import spell_out
+from voronec.motion.ambient import spell_out
 
 DIRECTION = ("n1", "n2", "n3", "n1dot", "n2dot")
 BODY = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")

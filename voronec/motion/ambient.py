@@ -245,7 +245,7 @@ def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
         for name, split in _charts_of_velocities(system).items()
     }
     moved = bare(
-        system, system.name, **free(_spell_out(system, frame), d), frame=None,
+        system, system.name, **free(spell_out(system, frame), d), frame=None,
         fibration=Fibration((*system.coordinates, *sums)), charts=charts,
     )  # fmt: skip
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
@@ -354,7 +354,7 @@ def _fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
     return sp.Symbol(name)
 
 
-def _spell_out(
+def spell_out(
     system: System, frame: Frame | None, changes: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
@@ -391,7 +391,7 @@ def _chart_of_velocities(system: System, chart: Chart) -> Chart:
         state=own(chart.state),
         back=own(chart.back),
         double_cover=tuple(map(own, chart.double_cover)),
-        changes=_spell_out(system, frame, changes),
+        changes=spell_out(system, frame, changes),
     )
 
 
@@ -420,7 +420,7 @@ class _FrameFormulation:
             for name, chart in home.charts.items()
         }
         base, fibre = home.fibration.base, home.fibration.fibre
-        parts = {n: self._release(n, x) for n, x in _spell_out(home, None).items()}
+        parts = {n: self._release(n, x) for n, x in spell_out(home, None).items()}
         return bare(
             home, home.name, **parts, charts=charts, invariants=home.invariants,
             fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
@@ -446,7 +446,7 @@ class _FrameFormulation:
     @cached_property
     def constraints(self) -> list[Any]:
         """The released constraints c as functions of its state."""
-        given = _spell_out(self.home.system, self.frame)["constraints"][-self.count :]
+        given = spell_out(self.home.system, self.frame)["constraints"][-self.count :]
         own = [self.motions.on_coordinates.read(c) for c in given]
         if not self.free.invariants:
             return own
