@@ -157,6 +157,10 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
     rolling = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 2})
     for motion in (*resting, rolling):
         assert motion.verdict.word == "spectrally stable" and not motion.verdict.proved
+    # an integral that is declared and is none proves nothing
+    hill = vo.System("hill", vo.Fibration(base=(X,)), vo.velocity(X) ** 2 / 2 + X**4,
+                     integrals={"place": X**2})  # fmt: skip
+    assert not vo.steady(hill, at={X: 0}, starts=5)[0].verdict.proved
     cone = vo.steady(SPHERICAL, at={"alpha": 1})[0]  # by the momentum of a cyclic coordinate
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
