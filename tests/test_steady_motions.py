@@ -527,11 +527,15 @@ def test_commands_print_and_refuse(call: Call) -> None:
         ("steady", "vertical-disc"),
         ("stability", "falling-disc", "--over", "p", "--between", "0:3"),
         ("stability", "falling-disc", "--over", "s", "--between", "3"),
+        ("stability", "falling-disc", "--over", "R", "--between=-1:2"),
     ):
         refused(call(*words))
 
 
-@pytest.mark.parametrize("option", [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}])
+@pytest.mark.parametrize(
+    "option",
+    [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}, {"parameters": {"R": -1}}],
+)
 def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
     with pytest.raises(DefinitionError):
         vo.steady(vo.load("falling-disc"), **option)
@@ -539,6 +543,8 @@ def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
 
 def test_charts_count_unstable_eigenvalues() -> None:
     motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
+    with pytest.raises(DefinitionError, match="must be positive"):
+        motion.chart(("s", 0.1, 2), ("R", -1, 5), hold="q")
     found = motion.chart(("s", 0.1, 2), ("g", 0.1, 5), count=12, hold="q")
     for i, j in product(range(12), range(12)):
         unstable = found.xs[j] ** 2 * 0.75 < found.ys[i] / 4

@@ -40,6 +40,7 @@ from voronec.dynamics.spectrum import (
 )
 from voronec.dynamics.steady_equations import (
     SteadyEquations,
+    check_parameters,
     constants_of,
     read_quantity,
     require_values,
@@ -388,6 +389,7 @@ def _with_values(
     """The equations with the values of parameters, and of what is held."""
     found = steady_equations(equations, given, said)
     _require_constants(found, given)
+    check_parameters(equations.system, *given.items())
     _require_constants(found, unknown)
     found = found.with_unknowns(unknown)
     require_values(found)

@@ -329,6 +329,14 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
     )
 
 
+def check_parameters(system: System, *given: tuple[str, Any]) -> None:
+    """``DefinitionError`` where a parameter leaves the range that is declared for it."""
+    declared = {p.name: p for p in system.parameters}
+    for name, value in given:
+        if name in declared:
+            declared[name].check(value)
+
+
 def require_values(equations: SteadyEquations) -> None:
     """``DefinitionError`` where a parameter or input has no value."""
     system = equations.system
