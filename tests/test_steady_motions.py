@@ -532,6 +532,24 @@ def test_commands_print_and_refuse(call: Call) -> None:
         refused(call(*words))
 
 
+def test_what_is_steep_is_smooth_and_what_vanishes_at_infinity_is_no_motion() -> None:
+    v = vo.velocity(X)
+    line = vo.Fibration(base=(X,))
+    for potential in ((1 - sp.exp(-X)) ** 2, sp.cosh(X), sp.log(1 + X**2) + X**20):
+        (rest,) = vo.steady(vo.System("hollow", line, v**2 / 2 - potential), starts=20)
+        assert rest.point == {"x": 0, "xdot": 0} and rest.verdict.word == "stable"
+    belt = vo.System("belt", line, v**2 / 2 - X**2 / 2, forces={X: sp.tanh(9 * (1 - v)) * (2 - v)})
+    rounded = vo.System("rounded", line, v**2 / 2 - X**2, forces={X: -v / sp.sqrt(v**2 + 1)})
+    assert vo.steady(rounded, starts=20)[0].verdict.word == "linearly attracting"
+    (held,) = vo.steady(belt, starts=20)
+    assert held.point["x"] == pytest.approx(2 * np.tanh(9))
+    for wrong, words in ((sp.exp(X), "none of 20 starts"), (sp.Abs(X), "not smooth")):
+        with pytest.raises(DefinitionError, match=words):
+            vo.steady(vo.System("no rest", line, v**2 / 2 - wrong), starts=20)
+    beyond = vo.steady(vo.System("well", line, v**2 / 2 - X**2 / 2 + sp.log(X)), at={X: -1})
+    assert not beyond[0].verdict.proved  # the energy has no value there
+
+
 @pytest.mark.parametrize(
     "option",
     [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}, {"parameters": {"R": -1}}],

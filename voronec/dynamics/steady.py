@@ -25,7 +25,7 @@ from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.angles import are_angles
 from voronec.dynamics.charts import SteadyChart, chart
-from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.enclosure import BITS, enclosed_on_right
 from voronec.dynamics.energy_casimir import proved_stable
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
@@ -503,9 +503,22 @@ def settle(
         return None
     found = np.where(np.abs(found) < 1e-12 * units, 0.0, found)
     there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (found, y))
-    if not there <= STEEP * before:
+    if not there <= STEEP * before or _is_tail(equations, found, units):
         return None
     return SteadyMotion(motions, equations, found, units)
+
+
+def _is_tail(equations: SteadyEquations, y: np.ndarray, units: np.ndarray) -> bool:
+    """Whether a rate is small but does not vanish, as exp(-x) is for large x: where it is no
+    smaller than its slopes, which are flat, more digits tell."""
+    value, slopes = equations.at(y)
+    sizes = np.abs(slopes * units).max(axis=1, initial=0.0)
+    if not ((sizes < sizes.max(initial=0.0) / STEEP) & (np.abs(value) > sizes / 1000)).any():
+        return False
+    with suppress(EngineLimit):
+        left = equations.balls(polish(equations, y, BITS), BITS)
+        return max(float(abs(e)) for e in left) > sizes.max() * 2.0 ** (-BITS // 2)
+    return False
 
 
 @accepts(at=VALUES, parameters=VALUES, free=SEVERAL, count=COUNT, starts=COUNT, seed=COUNT)

@@ -268,7 +268,7 @@ def steady_equations(
             f"system '{system.name}': its velocities are constant in every motion, so that all its "
             "motions are steady"
         )
-    if program.is_rough:
+    if program.has_corners:
         raise DefinitionError(
             f"system '{system.name}': its right side is not smooth (signs, steps or corners stand "
             "in it), so that it has no Jacobian; replace what is not smooth"
