@@ -546,6 +546,15 @@ def test_what_is_steep_is_smooth_and_what_vanishes_at_infinity_is_no_motion() ->
     for wrong, words in ((sp.exp(X), "none of 20 starts"), (sp.Abs(X), "not smooth")):
         with pytest.raises(DefinitionError, match=words):
             vo.steady(vo.System("no rest", line, v**2 / 2 - wrong), starts=20)
+    y, c = sp.symbols("y c")  # at y = 0 slopes are so large that all is small beside them
+    steep = vo.System(
+        "steep", vo.Fibration(base=(X, y)),
+        (v**2 + vo.velocity(y) ** 2) / 2 - X - sp.sin(y + c) ** -2,
+        parameters=(vo.Parameter(c, sp.pi),),
+    )  # fmt: skip
+    for at in ({}, {y: 0}):
+        with pytest.raises(DefinitionError, match="none of 20 starts"):
+            vo.steady(steep, at=at, starts=20)
     beyond = vo.steady(vo.System("well", line, v**2 / 2 - X**2 / 2 + sp.log(X)), at={X: -1})
     assert not beyond[0].verdict.proved  # the energy has no value there
 

@@ -61,6 +61,8 @@ NEARBY = 1e-2
 STEEP = 1e10
 """Slopes that have grown by so much since the start, or have no value, tell of a divisor that
 vanishes: the coordinates are singular there."""
+WRONG = 1e-4
+"""A rate above this part of its slopes is not zero."""
 FAR = 1e3
 """Solutions beyond so many units are not told of: many functions vanish at infinity."""
 HALF = se.Rational(1, 2)
@@ -429,7 +431,7 @@ def _search(
     units = sizes_of(equations, said)
     turning, random = angles_of(equations, units), np.random.default_rng(seed)
     found: dict[Any, SteadyMotion] = {}
-    solved = 0
+    solved, usual = 0, np.inf
     for k in range(starts):
         kept = random.integers(0, 2, len(units)) if k % 2 else np.ones(len(units))
         y = random.normal(size=len(units)) * units * kept
@@ -437,6 +439,10 @@ def _search(
             if name in equations.names:
                 y[equations.names.index(name)] = float(value)
         y[roots_of(equations)] = np.abs(y[roots_of(equations)])
+        steep = float(np.abs(equations.at(y)[1] * units).max(initial=0.0))
+        usual = usual if k % 2 else min(usual, steep)
+        if steep > STEEP * usual:  # its zeros make coordinates singular: all is small beside slopes
+            continue
         motion = settle(motions, equations, y, units, turning)
         if motion is not None:
             solved += 1
@@ -503,16 +509,18 @@ def settle(
         return None
     found = np.where(np.abs(found) < 1e-12 * units, 0.0, found)
     there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (found, y))
-    if not there <= STEEP * before or _is_tail(equations, found, units):
+    if not there <= STEEP * before or _does_not_vanish(equations, found, units):
         return None
     return SteadyMotion(motions, equations, found, units)
 
 
-def _is_tail(equations: SteadyEquations, y: np.ndarray, units: np.ndarray) -> bool:
-    """Whether a rate is small but does not vanish, as exp(-x) is for large x: where it is no
-    smaller than its slopes, which are flat, more digits tell."""
+def _does_not_vanish(equations: SteadyEquations, y: np.ndarray, units: np.ndarray) -> bool:
+    """Whether a rate does not vanish, small as it may be, as exp(-x) is for large x: where it is
+    no smaller than its slopes, which are flat, more digits tell."""
     value, slopes = equations.at(y)
     sizes = np.abs(slopes * units).max(axis=1, initial=0.0)
+    if (np.abs(value) > WRONG * np.maximum(sizes, 1.0)).any():
+        return True  # small beside other slopes alone, where coordinates are singular
     if not ((sizes < sizes.max(initial=0.0) / STEEP) & (np.abs(value) > sizes / 1000)).any():
         return False
     with suppress(EngineLimit):
