@@ -341,6 +341,11 @@ def test_a_guess_that_makes_no_sense_is_refused(given: dict[str, Any], words: st
         vo.periodic(pendulum(), **given)
 
 
+def test_families_stay_where_parameters_have_a_meaning() -> None:
+    with pytest.raises(vo.DefinitionError, match="must be positive"):
+        vo.periodic(vo.load("falling-disc"), along="R", to=-1)
+
+
 def test_an_unstable_cycle_is_found_among_motions_that_blow_up() -> None:
     x = sp.Symbol("x")
     rate = vo.velocity(x)

@@ -527,11 +527,42 @@ def test_commands_print_and_refuse(call: Call) -> None:
         ("steady", "vertical-disc"),
         ("stability", "falling-disc", "--over", "p", "--between", "0:3"),
         ("stability", "falling-disc", "--over", "s", "--between", "3"),
+        ("stability", "falling-disc", "--over", "R", "--between=-1:2"),
     ):
         refused(call(*words))
 
 
-@pytest.mark.parametrize("option", [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}])
+def test_what_is_steep_is_smooth_and_what_vanishes_at_infinity_is_no_motion() -> None:
+    v = vo.velocity(X)
+    line = vo.Fibration(base=(X,))
+    for potential in ((1 - sp.exp(-X)) ** 2, sp.cosh(X), sp.log(1 + X**2) + X**20):
+        (rest,) = vo.steady(vo.System("hollow", line, v**2 / 2 - potential), starts=20)
+        assert rest.point == {"x": 0, "xdot": 0} and rest.verdict.word == "stable"
+    belt = vo.System("belt", line, v**2 / 2 - X**2 / 2, forces={X: sp.tanh(9 * (1 - v)) * (2 - v)})
+    rounded = vo.System("rounded", line, v**2 / 2 - X**2, forces={X: -v / sp.sqrt(v**2 + 1)})
+    assert vo.steady(rounded, starts=20)[0].verdict.word == "linearly attracting"
+    (held,) = vo.steady(belt, starts=20)
+    assert held.point["x"] == pytest.approx(2 * np.tanh(9))
+    for wrong, words in ((sp.exp(X), "none of 20 starts"), (sp.Abs(X), "not smooth")):
+        with pytest.raises(DefinitionError, match=words):
+            vo.steady(vo.System("no rest", line, v**2 / 2 - wrong), starts=20)
+    y, c = sp.symbols("y c")  # at y = 0 slopes are so large that all is small beside them
+    steep = vo.System(
+        "steep", vo.Fibration(base=(X, y)),
+        (v**2 + vo.velocity(y) ** 2) / 2 - X - sp.sin(y + c) ** -2,
+        parameters=(vo.Parameter(c, sp.pi),),
+    )  # fmt: skip
+    for at in ({}, {y: 0}):
+        with pytest.raises(DefinitionError, match="none of 20 starts"):
+            vo.steady(steep, at=at, starts=20)
+    beyond = vo.steady(vo.System("well", line, v**2 / 2 - X**2 / 2 + sp.log(X)), at={X: -1})
+    assert not beyond[0].verdict.proved  # the energy has no value there
+
+
+@pytest.mark.parametrize(
+    "option",
+    [{"starts": 0}, {"at": 3}, {"at": {"s": "x"}}, {"free": "p"}, {"parameters": {"R": -1}}],
+)
 def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
     with pytest.raises(DefinitionError):
         vo.steady(vo.load("falling-disc"), **option)
@@ -539,6 +570,8 @@ def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
 
 def test_charts_count_unstable_eigenvalues() -> None:
     motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
+    with pytest.raises(DefinitionError, match="must be positive"):
+        motion.chart(("s", 0.1, 2), ("R", -1, 5), hold="q")
     found = motion.chart(("s", 0.1, 2), ("g", 0.1, 5), count=12, hold="q")
     for i, j in product(range(12), range(12)):
         unstable = found.xs[j] ** 2 * 0.75 < found.ys[i] / 4

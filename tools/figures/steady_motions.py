@@ -52,6 +52,17 @@ def disc() -> str:
     return f"off by {mp.nstr(gap, 2)}; {exact.families[-1].conditions['real'][-1]}"
 
 
+def routh_sphere() -> str:
+    """The critical spin of Routh's sphere upright, in digits and exactly."""
+    motion = motion_of("routh-sphere", {"gamma3": 1, "omega3": 2}, 5)
+    (critical,) = motion.along("omega3", (0, 2)).critical
+    exact = vo.steady(motion.system, at={"gamma1": 0, "gamma3": 1}, starts=5, exact=True)
+    ends = exact.families[0].ranges("omega3")
+    with mp.workdps(30):
+        gap = abs(critical.exact - mp.sqrt(mp.mpf(1472) / 1000) * 10 / 17)
+    return f"off by {mp.nstr(gap, 2)}; {ends[-1].low}"
+
+
 def rattleback() -> str:
     """The two thresholds of the rattleback."""
     motion = motion_of("rattleback", {"gamma3": 1, "omega3": "1/2"})
@@ -67,7 +78,7 @@ def suslov() -> str:
 
 
 ROWS: dict[str, Callable[[], str]] = {
-    row.__name__: row for row in (bicycle, disc, rattleback, suslov)
+    row.__name__: row for row in (bicycle, disc, routh_sphere, rattleback, suslov)
 }
 
 

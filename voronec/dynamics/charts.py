@@ -14,6 +14,7 @@ from voronec.declaration.system import System
 from voronec.dynamics.families import curve_of
 from voronec.dynamics.newton import solve
 from voronec.dynamics.spectrum import Deflation, unstable_count
+from voronec.dynamics.steady_equations import check_parameters
 from voronec.errors import DefinitionError
 from voronec.motion.request import number
 
@@ -49,6 +50,8 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
     """The chart about one motion, as ``SteadyMotion.chart`` has it: from the node that is nearest
     to it each node is reached from a neighbour."""
     (x_name, xs), (y_name, ys) = _axis(x, "x", count), _axis(y, "y", count)
+    ends = ((name, end) for name, line in ((x_name, xs), (y_name, ys)) for end in line[[0, -1]])
+    check_parameters(motion.system, *ends)
     given = curve_of(motion, x_name, several(hold, "hold", "name"), (y_name,))
     curve, begin = given.curve, given.begin
     equations, exprs = curve.equations, dict(curve.equations.held)

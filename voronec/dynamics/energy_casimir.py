@@ -57,6 +57,8 @@ def proved_stable(
         targets = [0 if x is None else x for _, x in constants.values()]
         problem = _Extremum(function, constants, values, y[:n], units[:n])
         here = problem.at_targets(targets).at(np.append(y[:n], np.zeros(len(targets))))[0][n:]
+        if not np.isfinite(here).all():
+            return None
         pairs = zip(constants.values(), here, strict=True)
         return problem.prove([float(h) if x is None else x for (_, x), h in pairs])
     return None

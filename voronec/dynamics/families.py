@@ -36,7 +36,7 @@ from voronec.dynamics.spectrum import (
     to_mpf,
     unstable_count,
 )
-from voronec.dynamics.steady_equations import SteadyEquations, read_quantity
+from voronec.dynamics.steady_equations import SteadyEquations, check_parameters, read_quantity
 from voronec.errors import DefinitionError, IntegrationError
 from voronec.motion.request import number
 
@@ -418,6 +418,7 @@ def steady_family(
     given = curve_of(motion, over, several(hold, "hold", "name"))
     curve, start, held = given.curve, given.begin, given.held
     name = curve.equations.held[-1][0]
+    check_parameters(motion.system, (name, low), (name, high))
     begin = curve.value(start)
     if not low <= begin <= high:
         start = _towards(curve, start, begin, low if begin < low else high, name)

@@ -47,6 +47,7 @@ from voronec.dynamics.continuation import COMPLETE, follow, root_between
 from voronec.dynamics.newton import null_space, solve, solve_across
 from voronec.dynamics.orbits import MARGIN, Bifurcation, OrbitFamily, PeriodicOrbit
 from voronec.dynamics.phase_space import PhaseSpace
+from voronec.dynamics.steady_equations import check_parameters
 from voronec.dynamics.variational import VariationalFlow
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
@@ -128,6 +129,7 @@ def periodic(
         raise DefinitionError(f"periodic: points={points}: give 2 orbits or more")
     known = [n for n in space.constants if not n.startswith("relation ")]
     if along is not None and along not in known:
+        check_parameters(space.system, (along, to))
         space, known = space.with_variable(along), [*known, along]
     names = several(hold, "hold", "'energy'")
     for name in names:

@@ -73,7 +73,7 @@ class PhaseSpace:
         if not motions.sound:
             raise motions.wrong[0]
         program = motions.program
-        if program.is_rough:
+        if program.has_corners:
             raise DefinitionError(
                 f"system '{declared.name}': its right side is not smooth (signs, steps or corners "
                 "stand in it), so that its variations have no equations"

@@ -25,7 +25,7 @@ from voronec.declaration.reading import expression, quote, several
 from voronec.declaration.system import System, require_system
 from voronec.dynamics.angles import are_angles
 from voronec.dynamics.charts import SteadyChart, chart
-from voronec.dynamics.enclosure import enclosed_on_right
+from voronec.dynamics.enclosure import BITS, enclosed_on_right
 from voronec.dynamics.energy_casimir import proved_stable
 from voronec.dynamics.exact_families import ExactFamily, exact_families
 from voronec.dynamics.families import SteadyFamily, steady_family
@@ -40,6 +40,7 @@ from voronec.dynamics.spectrum import (
 )
 from voronec.dynamics.steady_equations import (
     SteadyEquations,
+    check_parameters,
     constants_of,
     read_quantity,
     require_values,
@@ -60,6 +61,8 @@ NEARBY = 1e-2
 STEEP = 1e10
 """Slopes that have grown by so much since the start, or have no value, tell of a divisor that
 vanishes: the coordinates are singular there."""
+WRONG = 1e-4
+"""A rate above this part of its slopes is not zero."""
 FAR = 1e3
 """Solutions beyond so many units are not told of: many functions vanish at infinity."""
 HALF = se.Rational(1, 2)
@@ -388,6 +391,7 @@ def _with_values(
     """The equations with the values of parameters, and of what is held."""
     found = steady_equations(equations, given, said)
     _require_constants(found, given)
+    check_parameters(equations.system, *given.items())
     _require_constants(found, unknown)
     found = found.with_unknowns(unknown)
     require_values(found)
@@ -427,7 +431,7 @@ def _search(
     units = sizes_of(equations, said)
     turning, random = angles_of(equations, units), np.random.default_rng(seed)
     found: dict[Any, SteadyMotion] = {}
-    solved = 0
+    solved, usual = 0, np.inf
     for k in range(starts):
         kept = random.integers(0, 2, len(units)) if k % 2 else np.ones(len(units))
         y = random.normal(size=len(units)) * units * kept
@@ -435,6 +439,10 @@ def _search(
             if name in equations.names:
                 y[equations.names.index(name)] = float(value)
         y[roots_of(equations)] = np.abs(y[roots_of(equations)])
+        steep = float(np.abs(equations.at(y)[1] * units).max(initial=0.0))
+        usual = usual if k % 2 else min(usual, steep)
+        if steep > STEEP * usual:  # its zeros make coordinates singular: all is small beside slopes
+            continue
         motion = settle(motions, equations, y, units, turning)
         if motion is not None:
             solved += 1
@@ -501,9 +509,24 @@ def settle(
         return None
     found = np.where(np.abs(found) < 1e-12 * units, 0.0, found)
     there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (found, y))
-    if not there <= STEEP * before:
+    if not there <= STEEP * before or _does_not_vanish(equations, found, units):
         return None
     return SteadyMotion(motions, equations, found, units)
+
+
+def _does_not_vanish(equations: SteadyEquations, y: np.ndarray, units: np.ndarray) -> bool:
+    """Whether a rate does not vanish, small as it may be, as exp(-x) is for large x: where it is
+    no smaller than its slopes, which are flat, more digits tell."""
+    value, slopes = equations.at(y)
+    sizes = np.abs(slopes * units).max(axis=1, initial=0.0)
+    if (np.abs(value) > WRONG * np.maximum(sizes, 1.0)).any():
+        return True  # small beside other slopes alone, where coordinates are singular
+    if not ((sizes < sizes.max(initial=0.0) / STEEP) & (np.abs(value) > sizes / 1000)).any():
+        return False
+    with suppress(EngineLimit):
+        left = equations.balls(polish(equations, y, BITS), BITS)
+        return max(float(abs(e)) for e in left) > sizes.max() * 2.0 ** (-BITS // 2)
+    return False
 
 
 @accepts(at=VALUES, parameters=VALUES, free=SEVERAL, count=COUNT, starts=COUNT, seed=COUNT)

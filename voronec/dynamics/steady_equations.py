@@ -268,7 +268,7 @@ def steady_equations(
             f"system '{system.name}': its velocities are constant in every motion, so that all its "
             "motions are steady"
         )
-    if program.is_rough:
+    if program.has_corners:
         raise DefinitionError(
             f"system '{system.name}': its right side is not smooth (signs, steps or corners stand "
             "in it), so that it has no Jacobian; replace what is not smooth"
@@ -327,6 +327,14 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
         f"{place} is no function of the variables of steady motions; name some of "
         f"{', '.join(known)}, or a formula in them"
     )
+
+
+def check_parameters(system: System, *given: tuple[str, Any]) -> None:
+    """``DefinitionError`` where a parameter leaves the range that is declared for it."""
+    declared = {p.name: p for p in system.parameters}
+    for name, value in given:
+        if name in declared:
+            declared[name].check(value)
 
 
 def require_values(equations: SteadyEquations) -> None:

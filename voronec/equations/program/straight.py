@@ -58,10 +58,12 @@ class Block:
         """What it costs Taylor's method, in products of moving quantities."""
         return taylor_weight(self.assignments, self.results, constants)
 
-    def is_rough(self, still: Iterable[Any], velocities: Iterable[Any] = ()) -> bool:
-        """Whether something in it may not be smooth, roots of ``velocities`` among it; ``still``
-        are symbols that do not move."""
-        return is_rough(self.assignments, self.results, still, velocities)
+    def is_rough(
+        self, still: Iterable[Any], velocities: Iterable[Any] = (), steep: bool = True
+    ) -> bool:
+        """Whether something in it may not be smooth, roots of ``velocities`` among it, or, where
+        asked for, is ``steep``; ``still`` are symbols that do not move."""
+        return is_rough(self.assignments, self.results, still, velocities, steep)
 
     def movers(self, symbols: Iterable[Any]) -> set[Any]:
         """Some symbols, and the names that move with them."""
@@ -176,8 +178,13 @@ class Program:
 
     @cached_property
     def is_rough(self) -> bool:
-        """Whether the rates of the state may not be smooth."""
+        """Whether the rates of the state may not be smooth, or are steep."""
         return self.derivative.is_rough(self.parameters, self.velocities)
+
+    @cached_property
+    def has_corners(self) -> bool:
+        """Whether the rates of the state may not be smooth."""
+        return self.derivative.is_rough(self.parameters, self.velocities, steep=False)
 
     @cached_property
     def is_rough_beside(self) -> bool:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from math import exp
+from math import exp, inf
 from typing import Any
 
 import symengine as se
@@ -46,10 +46,11 @@ LONG = 100
 """Radicands of more operations are not searched for squares."""
 WITH_SIGN = (se.asin, se.atan, se.atan2, se.tanh, se.sinh, se.asinh)
 """Functions that have the sign of their argument, an angle of y that of atan2(y, x)."""
-_ROUGH = (
-    se.sign, se.Abs, se.floor, se.atan2, se.tanh, se.sinh, se.cosh, se.Derivative, se.Subs,
-    se.asin, se.acos, se.acosh, se.atan, se.acot,
+_CORNERS = (
+    se.sign, se.Abs, se.floor, se.atan2, se.Derivative, se.Subs, se.asin, se.acos, se.acosh,
+    se.atan, se.acot,
 )  # fmt: skip
+_STEEP = (se.tanh, se.sinh, se.cosh)
 
 
 @dataclass(frozen=True)
@@ -209,16 +210,18 @@ def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
     return list(found)
 
 
-def rounding(radicand: Any, still: frozenset[Any]) -> tuple[Any, Any] | None:
+def rounding(
+    radicand: Any, still: frozenset[Any], little: float = LITTLE
+) -> tuple[Any, Any] | None:
     """(squares that move, constant) of a radicand that is the sum of both; None of any other, and
-    where the constant is a number that is not small."""
+    where the constant is a number that is not ``little``."""
     terms = radicand.args if isinstance(radicand, se.Add) else ()
     constant = se.Add(*[e for e in terms if e.free_symbols <= still])
     moving = [e for e in terms if not e.free_symbols <= still]
     if constant == 0 or not moving or not all(map(_is_unbounded_square, moving)):
         return None
     factors = [f for e in moving for f in (e.args if isinstance(e, se.Mul) else ()) if f.is_Number]
-    if constant.is_Number and constant > LITTLE * max([1, *factors]):
+    if constant.is_Number and constant > little * max([1, *factors]):
         return None
     return se.Add(*moving), constant
 
@@ -247,9 +250,10 @@ def is_rough(
     results: Iterable[Any],
     still: Iterable[Any],
     velocities: Iterable[Any] = (),
+    steep: bool = True,
 ) -> bool:
-    """Whether straight-line code may have switching surfaces, or a root of velocities; at the cost
-    of a look at each of its nodes."""
+    """Whether straight-line code may have switching surfaces, or a root of velocities, or, where
+    asked for, what is smooth but ``steep``; at the cost of a look at each of its nodes."""
     meaning = dict(assignments)
     fixed, moving = frozenset(still), set(velocities)
     for name, expr in meaning.items() if moving else ():
@@ -258,13 +262,21 @@ def is_rough(
     for node in nodes([*meaning.values(), *map(se.sympify, results)]):
         plain = formula(node)
         node = node if plain is None else plain
-        if isinstance(node, _ROUGH):
+        if isinstance(node, _CORNERS) or (steep and isinstance(node, _STEEP)):
             return True
-        if (is_exponential(node) or _is_high_power(node)) and not node.free_symbols <= fixed:
+        if (
+            steep
+            and (is_exponential(node) or _is_high_power(node))
+            and not node.free_symbols <= fixed
+        ):
             return True
         if isinstance(node, se.Pow) and _is_root(node):
             base, exponent = node.args
-            if base.free_symbols & moving or rounding(_inside(base, meaning), fixed):
+            if rounding(_inside(base, meaning), fixed, LITTLE if steep else inf):
+                if steep:
+                    return True
+                continue
+            if base.free_symbols & moving:
                 return True
             power = _inside(base, meaning) ** exponent
             if plain_roots(power, fixed) != power:
