@@ -94,10 +94,12 @@ def _entries_of(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def implied_rows(d: Definition) -> tuple[list[Row], list[Row]]:
-    """Rows of the constraints and the relations of a system with those that they imply, and sums
-    of all these that vanish."""
-    return with_implied_rows(conditions_of(d)[: -len(d.velocities)], d.relations, d.coordinates)
+def implied_rows(d: Definition, among: Sequence[int] | None = None) -> tuple[list[Row], list[Row]]:
+    """Rows of the constraints and the relations of a system, or of some of the constraints, with
+    those that they imply, and sums of all these that vanish."""
+    rows = conditions_of(d)
+    chosen = rows[: -len(d.velocities)] if among is None else [rows[k] for k in among]
+    return with_implied_rows(chosen, d.relations, d.coordinates)
 
 
 def _frame_quality(metric: np.ndarray, conditions: np.ndarray, frame: np.ndarray) -> float:

@@ -167,7 +167,7 @@ class MotionRequest:
         """In how many bits a start is computed that is exact."""
         return ceil(-log2(self.tol)) + 2 * MARGIN
 
-    def by_controllers(self, _: IntegrationError | None) -> Trajectory:
+    def by_controllers(self) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
         would be misled by a second try."""
         made = whole(self.namespace, self.outputs, self.functions)
