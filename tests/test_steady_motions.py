@@ -157,6 +157,10 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
     rolling = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 2})
     for motion in (*resting, rolling):
         assert motion.verdict.word == "spectrally stable" and not motion.verdict.proved
+    # an integral that is declared and is none proves nothing
+    hill = vo.System("hill", vo.Fibration(base=(X,)), vo.velocity(X) ** 2 / 2 + X**4,
+                     integrals={"place": X**2})  # fmt: skip
+    assert not vo.steady(hill, at={X: 0}, starts=5)[0].verdict.proved
     cone = vo.steady(SPHERICAL, at={"alpha": 1})[0]  # by the momentum of a cyclic coordinate
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
@@ -369,6 +373,16 @@ def test_stability_is_told_by_ranges_with_exact_ends() -> None:
     assert [r.unstable for r in ball.ranges("I3")] == [0, 1, 0]  # between I1 and I2 it is unstable
     values = {p.name: p.value for p in vo.load("chaplygin-ball").parameters}
     assert [r.high for r in ball.ranges("I3")][:2] == [values["I1"], values["I2"]]
+    # pairs meet on the imaginary axis beside roots that are damped
+    x, y, z, c = sp.symbols("x y z c")
+    vx, vy, vz = map(vo.velocity, (x, y, z))
+    beside = vo.System(
+        "beside", vo.Fibration(base=(x, y, z)),
+        (vx**2 + vy**2 + vz**2 + c * (x * vy - y * vx) + x**2 + y**2 - z**2) / 2,
+        forces={z: -vz}, parameters=(vo.Parameter(c, 1),),
+    )  # fmt: skip
+    (hill,) = vo.steady(beside, starts=5, exact=True).families
+    assert [*hill.ranges(c)] == [(-sp.oo, -2, 0), (-2, 2, 2), (2, sp.oo, 0)]
     along = found[0].along("s", (0, 3), count=20, hold="q")
     low, high = along.ranges
     assert (low.begin, low.end, high.end) == (0, along.critical[0].value, 3)

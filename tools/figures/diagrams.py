@@ -45,7 +45,7 @@ SYSTEMS: dict[str, dict[str, Any]] = {
 }
 STARTS, PACES, INSTANTS = 12, 150, 700
 """Motions from each place, how many times the unit of the velocities they go, and instants."""
-LONGER = 8
+LONGER = 30
 """Motions that fill more tori than are told are followed so many times as long: they can only
 come nearer to each other."""
 CHUNK = 40

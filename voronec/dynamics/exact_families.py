@@ -193,8 +193,9 @@ class ExactFamily:
                 else "it is no polynomial"
             )
         poly = sp.Poly(whole, unknown, x, domain="QQ")
-        c = sp.Poly(poly.sqf_part().as_expr(), unknown).all_coeffs()[::-1]
-        edges = {r for e in (c[0], c[-1], *_crossings(c)) if e.has(x)
+        factors = (sp.Poly(f.as_expr(), unknown).all_coeffs()[::-1] for f, _ in
+                   poly.factor_list()[1])  # fmt: skip
+        edges = {r for c in factors for e in (c[0], c[-1], *_crossings(c)) if e.has(x)
                  for r in sp.Poly(e, x).real_roots()}  # fmt: skip
         ends = [-sp.oo, *sorted(edges), sp.oo]
         found = [
@@ -222,7 +223,8 @@ def exact_value(value: Any) -> sp.Expr:
 
 def _crossings(c: Sequence[sp.Expr]) -> Iterator[sp.Expr]:
     """What vanishes where pairs cross the imaginary axis, or meet on it; ``c`` are coefficients
-    from the constant on."""
+    of an irreducible polynomial from the constant on: where with one root its negative is one, it
+    is even."""
     if any(e != 0 for e in c[1::2]):
         yield sp.Matrix(hurwitz_matrix(c)).det() if len(c) > 2 else sp.Integer(1)
         return
@@ -243,11 +245,15 @@ def _inside(low: sp.Expr, high: sp.Expr) -> sp.Rational:
 def _on_right(poly: sp.Poly) -> int:
     """How many roots of a polynomial lie right of the imaginary axis, enclosed by flint."""
     numbers = [int(c) for c in poly.clear_denoms()[1].all_coeffs()[::-1]]
-    if any(numbers[1::2]):
-        roots = flint.fmpz_poly(numbers).complex_roots()
-        return sum(count for root, count in roots if root.real > 0)
-    roots = flint.fmpz_poly(numbers[::2]).complex_roots()  # squares
-    return sum(count for root, count in roots if not (root.imag == 0 and root.real <= 0))
+    found = 0
+    for factor, power in flint.fmpz_poly(numbers).factor()[1]:
+        c = factor.coeffs()
+        if any(c[1::2]):  # no root lies on the axis
+            found += power * sum(root.real > 0 for root, _ in factor.complex_roots())
+        else:
+            squares = flint.fmpz_poly(c[::2]).complex_roots()
+            found += power * sum(not (s.imag == 0 and s.real <= 0) for s, _ in squares)
+    return found
 
 
 def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:

@@ -130,9 +130,10 @@ class SteadyEquations:
         known, else None."""
         relations = enumerate(self.formulation.relations, 1)
         found: dict[str, tuple[Any, Any]] = {f"relation {i}": (r, 0) for i, r in relations}
-        found |= {n: (e, self.targets[n]) for n, e in self.leaves.items() if n in self.targets}
         proved = self.proved_integrals(equations)
-        return found | {n: (e, None) for n, e in proved.items() if n not in found}
+        known = {n: (e, self.targets[n]) for n, e in proved.items()
+                 if n in self.leaves and n in self.targets}  # fmt: skip
+        return found | known | {n: (e, None) for n, e in proved.items() if n not in known}
 
     @cached_property
     def _joint(self) -> JointFunction:
