@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
-from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.files import deliver, wanted_folder, write_picture_and_table
 from voronec.cli.output import answer, progress_line, wrote
 from voronec.cli.steady import options_of
 from voronec.cli.subject import resolve
 from voronec.cli.values import interval, name_and_value, names_of
-
-if TYPE_CHECKING:
-    from voronec.dynamics.bifurcation import BifurcationDiagram
 
 
 def execute(arguments: Namespace) -> int:
@@ -28,7 +25,8 @@ def execute(arguments: Namespace) -> int:
 
     with progress_line(f"{system.name}: critical values ..."):
         found = bifurcation_diagram(system, **given)
-        files = [] if folder is None else deliver(folder, lambda to: _write(found, to))
+        write = partial(write_picture_and_table, found, "bifurcation")
+        files = [] if folder is None else deliver(folder, write)
     answer(
         arguments.json, lambda: {**found.as_dict(), "files": files}, [*found.lines(), *wrote(files)]
     )
@@ -39,10 +37,3 @@ def _span(text: str) -> tuple[str, tuple[float, float]]:
     form = "NAME=A:B, such as energy=0:2"
     name, value = name_and_value(text, "--between", form)
     return name, interval(value, f"--between {name}", form)
-
-
-def _write(found: BifurcationDiagram, workshop: Path) -> None:
-    from voronec.motion.pictures.run_pictures import save
-
-    save(found.plot(), workshop / "bifurcation.svg")
-    found.save(workshop / "bifurcation.csv")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING
 
-from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.files import deliver, wanted_folder, write_picture_and_table
 from voronec.cli.output import answer, progress_line, wrote
 from voronec.cli.steady import options_of
 from voronec.cli.subject import resolve
@@ -33,16 +33,10 @@ def execute(arguments: Namespace) -> int:
             hold=names_of(arguments.hold), count=arguments.count, **given,
         )  # fmt: skip
         data, lines = found.as_dict(), _lines(found)
-        files = [] if folder is None else deliver(folder, lambda to: _write(found, to))
+        write = partial(write_picture_and_table, found, "family")
+        files = [] if folder is None else deliver(folder, write)
     answer(arguments.json, lambda: {**data, "files": files}, [*lines, *wrote(files)])
     return 0
-
-
-def _write(found: SteadyFamily, workshop: Path) -> None:
-    from voronec.motion.pictures.run_pictures import save
-
-    save(found.plot(), workshop / "family.svg")
-    found.save(workshop / "family.csv")
 
 
 def _lines(found: SteadyFamily) -> list[str]:

@@ -304,7 +304,7 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
     own = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
     own |= {str(x): x for x in equations.rates.inputs}
     known = {**own, **formulation.integrals}
-    name = key if isinstance(key, str) else plain_name(key)
+    name = plain_name(key)
     if name in known:
         return name, known[name]
     place = f"system '{system.name}': '{quote(name)}'"
