@@ -149,7 +149,7 @@ class ExactFamily:
         c = self.characteristic
         if len(c) < 2:
             return {}
-        return {way: tuple(self._factors(e)) for way, e in (("real", c[0]), _crossing(c))}
+        return {way: tuple(self._factors(e)) for way, e in (("real", c[0]), _critical_condition(c))}
 
     def _factors(self, expr: sp.Expr) -> Iterator[sp.Expr]:
         poly = reduce_by(self.letters.read(se.sympify(sp.together(expr).as_numer_denom()[0])),
@@ -186,7 +186,7 @@ class ExactFamily:
         poly = sp.Poly(whole, unknown, x, domain="QQ")
         factors = (sp.Poly(f.as_expr(), unknown).all_coeffs()[::-1] for f, _ in
                    poly.factor_list()[1])  # fmt: skip
-        edges = {r for c in factors for e in (c[0], c[-1], _crossing(c)[1]) if e.has(x)
+        edges = {r for c in factors for e in (c[0], c[-1], _critical_condition(c)[1]) if e.has(x)
                  for r in sp.Poly(e, x).real_roots()}  # fmt: skip
         ends = [-sp.oo, *sorted(edges), sp.oo]
         found = [
@@ -212,7 +212,7 @@ def exact_value(value: Any) -> sp.Expr:
     return sp.Rational(found) if found.is_Float else found
 
 
-def _crossing(c: Sequence[sp.Expr]) -> tuple[str, sp.Expr]:
+def _critical_condition(c: Sequence[sp.Expr]) -> tuple[str, sp.Expr]:
     """Whether a ``pair`` may cross the imaginary axis, or pairs on it have a ``meeting``, and what
     vanishes where they do; ``c`` are coefficients from the constant on, of a polynomial that is
     even where with one root its negative is one, as an irreducible one is."""

@@ -36,8 +36,8 @@ from voronec.motion.reactions import conditions_of
 from voronec.motion.singular_denominators import (
     DIGITS,
     SingularDenominator,
-    are_dependent,
     are_infinite,
+    are_nearly_dependent,
     around,
     crossing_divisors,
     divisors,
@@ -195,13 +195,13 @@ class ConstraintGeometry:
 
     def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
         """Entries by name; as they are by continuity where the constraints are infinite or
-        dependent."""
+        nearly dependent."""
         entries = self._entries(time, wide.tolist(), constants)
         rows = self._rows_of(entries, wide.dtype)[0][:, :-1].astype(float)
         if not np.isfinite(rows).all() or are_infinite(rows):
             in_doubles = self.home.definition.group is None and wide.dtype != object
             return entries | (self._finite_rows(time, wide) if in_doubles else {})
-        if are_dependent(rows) and (implied := self._implied_conditions) is not None:
+        if are_nearly_dependent(rows) and (implied := self._implied_conditions) is not None:
             return entries | self._by_name(implied, time, wide, constants)
         return entries
 
