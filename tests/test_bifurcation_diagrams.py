@@ -161,6 +161,18 @@ def test_what_is_no_diagram_is_refused_in_one_line(declared, asked, words):
     assert words in str(refusal.value) and "\n" not in str(refusal.value)
 
 
+def test_a_parameter_may_have_a_value_in_doubles():
+    k = sp.Symbol("k")
+    along = vy**2 / 2 + k * y**2 / 2
+    system = double_well(
+        parameters=(vo.Parameter(k, 1),),
+        lagrangian=vx**2 - ALONG_X + vy**2 - along,
+        integrals={"along y": along},
+    )
+    found = integral_map_of(system, None, {k: 1.5})
+    assert found.jet(found.start[None], 0)[0] == pytest.approx(np.array([[1.5 * 0.4**2 / 2]]))
+
+
 def test_the_command_refuses_a_map_of_one_integral(capsys):
     assert main(["bifurcation", "rubber-ball-on-sphere"]) == 2
     assert "take a parameter for the other axis" in capsys.readouterr().err

@@ -18,6 +18,7 @@ from voronec.algebra.roots import ring_over
 from voronec.algebra.shape import expand_element, expression
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms, is_exponential
+from voronec.algebra.text import as_expression
 from voronec.errors import EngineLimit
 
 JUMPS = (se.sign, se.Abs, se.floor)
@@ -147,6 +148,16 @@ def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:
     ring = ring_over([expr], relations)
     element = ring.field.absorb(ring.fraction(expr))
     return ring.polynomial(element.num), ring.polynomial(ring.field.denominator(element.den))
+
+
+def without_denominators(row: Sequence[Any], relations: Sequence[Any] = ()) -> list[Any]:
+    """A multiple of a row of expressions in which none has a denominator, each in its shortest
+    form."""
+    common = se.Integer(1)
+    for e in row:
+        (scaled,) = shortest([e * common], relations)
+        common *= se.sympify(sp.fraction(sp.together(as_expression(scaled)))[1])
+    return shortest([e * common for e in row], relations)
 
 
 def shorten(exprs: Sequence[Any], relations: Sequence[Any] = ()) -> list[sp.Expr]:

@@ -39,6 +39,14 @@ def deliver(folder: Path, write: Callable[[Path], Any], products: Iterable[str] 
         raise unwritable(folder, error) from None
 
 
+def write_picture_and_table(found: Any, name: str, workshop: Path) -> None:
+    """The picture of what was found, and its table: ``NAME.svg`` and ``NAME.csv``."""
+    from voronec.motion.pictures.run_pictures import save
+
+    save(found.plot(), workshop / f"{name}.svg")
+    found.save(workshop / f"{name}.csv")
+
+
 def wanted_folder(name: str) -> Path:
     """The folder for results, refused before any work where it could not be written after it.
 

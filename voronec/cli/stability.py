@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING
 
-from voronec.cli.files import deliver, wanted_folder
+from voronec.cli.files import deliver, wanted_folder, write_picture_and_table
 from voronec.cli.output import answer, progress_line, wrote
 from voronec.cli.steady import options_of
 from voronec.cli.subject import resolve
-from voronec.cli.values import finite, outputs_of
+from voronec.cli.values import interval, names_of
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -20,10 +20,7 @@ if TYPE_CHECKING:
 def execute(arguments: Namespace) -> int:
     """Follow the family, and print where its stability changes."""
     given = options_of(arguments)
-    ends = arguments.between.split(":")
-    if len(ends) != 2:
-        raise DefinitionError(f"--between {arguments.between}: give A:B, such as 0:10")
-    between = tuple(finite(end, "--between") for end in ends)
+    between = interval(arguments.between, "--between")
     if arguments.count < 2:
         raise DefinitionError(f"--count {arguments.count}: give a number from 2 on")
     folder = None if arguments.out is None else wanted_folder(arguments.out)
@@ -31,21 +28,15 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.steady import stability
 
     with progress_line(f"{system.name}: steady motions over {arguments.over} ..."):
-        hold = tuple(map(str, outputs_of(arguments.hold)))
         found = stability(
-            system, arguments.over, between, hold=hold, count=arguments.count, **given
-        )
+            system, arguments.over, between, free=names_of(arguments.free),
+            hold=names_of(arguments.hold), count=arguments.count, **given,
+        )  # fmt: skip
         data, lines = found.as_dict(), _lines(found)
-        files = [] if folder is None else deliver(folder, lambda to: _write(found, to))
+        write = partial(write_picture_and_table, found, "family")
+        files = [] if folder is None else deliver(folder, write)
     answer(arguments.json, lambda: {**data, "files": files}, [*lines, *wrote(files)])
     return 0
-
-
-def _write(found: SteadyFamily, workshop: Path) -> None:
-    from voronec.motion.pictures.run_pictures import save
-
-    save(found.plot(), workshop / "family.svg")
-    found.save(workshop / "family.csv")
 
 
 def _lines(found: SteadyFamily) -> list[str]:

@@ -9,7 +9,7 @@ from voronec.algebra.columns import columns
 from voronec.algebra.text import exact_number
 from voronec.cli.output import answer, plain, progress_line, warn
 from voronec.cli.subject import resolve
-from voronec.cli.values import name_and_value, outputs_of
+from voronec.cli.values import name_and_value, names_of
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
@@ -23,7 +23,8 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.steady import steady
 
     with progress_line(f"{system.name}: steady motions ..."):
-        found = steady(system, **given, exact=arguments.exact)
+        free = names_of(arguments.free)
+        found = steady(system, **given, free=free, exact=arguments.exact)
         lines = [] if arguments.json else [line for m in found for line in lines_of(m)]
         data = found.as_dict() if arguments.json else None
     head = f"{system.name}: {found.solved} of {found.starts} starts lead to a steady motion"
@@ -38,14 +39,13 @@ def execute(arguments: Namespace) -> int:
 
 
 def options_of(arguments: Namespace) -> dict[str, Any]:
-    """The arguments of ``voronec.steady`` that the options mean."""
+    """Values, starts and seed, which ``steady`` and its kin take, as the options mean them."""
     for name in ("starts", "seed"):
         if getattr(arguments, name) < 1:
             raise DefinitionError(f"--{name} {getattr(arguments, name)}: give a number from 1 on")
     return {
         "at": dict(_value(text, "--at") for text in arguments.at),
         "parameters": dict(_value(text, "--set") for text in arguments.set),
-        "free": tuple(map(str, outputs_of(arguments.free))),
         "starts": arguments.starts,
         "seed": arguments.seed,
     }

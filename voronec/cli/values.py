@@ -49,6 +49,20 @@ def finite(text: str, place: str) -> float:
     return number
 
 
+def interval(text: str, place: str, form: str = "A:B, such as 0:10") -> tuple[float, float]:
+    """The two ends of A:B; ``form`` says in an error what is to be given."""
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise DefinitionError(f"{place} {text}: give {form}")
+    low, high = (finite(end, place) for end in ends)
+    return low, high
+
+
+def names_of(text: str | None) -> tuple[str, ...]:
+    """Names and expressions separated by commas, as texts."""
+    return tuple(map(str, outputs_of(text)))
+
+
 def tolerance(text: str | None) -> float:
     """The value of ``--tol``; 1e-13 unless told."""
     if text is None:

@@ -256,9 +256,7 @@ def bifurcation_diagram(
     depends on the time or its right side is not smooth, and for unknown names.
     """
     own = system.system if isinstance(system, VoronecEquations) else require_system(system)
-    named = [
-        plain_name(a) if not isinstance(a, str) else a for a in several(axes, "axes", "'energy'")
-    ]
+    named = [*map(plain_name, several(axes, "axes", "'energy'"))]
     moving = [a for a in named if a in own.parameter_names]
     found = integral_map_of(system, scene, parameters or {}, moving)
     chosen, free = _choose(found, named)
@@ -314,7 +312,7 @@ def _choose(found: IntegralMap, named: Sequence[str]) -> tuple[list[str], list[s
 def _values_of_others(
     found: IntegralMap, free: Sequence[str], at: Mapping[Any, Any]
 ) -> dict[str, float]:
-    given = {plain_name(k) if not isinstance(k, str) else k: x for k, x in at.items()}
+    given = {plain_name(k): x for k, x in at.items()}
     for name in given:
         if name not in free:
             near = did_you_mean(name, free)
@@ -338,7 +336,7 @@ def _window(
     ).T
     window += 0.08 * np.ptp(window, axis=1)[:, None] * [-1, 1]
     for name, span in between.items():
-        key = plain_name(name) if not isinstance(name, str) else name
+        key = plain_name(name)
         if key not in axes or len(span) != 2 or not span[0] < span[1]:
             raise DefinitionError(
                 f"between: '{key}': give a low and a high value of {axes[0]} or {axes[1]}"

@@ -42,7 +42,6 @@ MARGIN = 0.25
 """Curves are found and followed so far beyond the window."""
 RECENT = 256
 """What was computed at so many points is kept."""
-KINDS = ("stable", "saddle", "degenerate", "isolated")
 
 
 @dataclass(frozen=True, eq=False)

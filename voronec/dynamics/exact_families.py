@@ -128,13 +128,11 @@ class ExactFamily:
         whole = (unknown * left - right).xreplace(zero)
         top = sp.fraction(sp.together(whole.det(method="berkowitz")))[0]
         poly = sp.Poly(sp.expand(top), unknown)
-        found = [self._modulo(c) for c in reversed(poly.all_coeffs())]
+        read = (self.letters.read(se.sympify(c)) for c in reversed(poly.all_coeffs()))
+        found = [reduce_by(c, self.basis) for c in read]
         while found and found[0] == 0:
             found.pop(0)
         return tuple(sp.factor(self.letters.write(c)) if c != 0 else sp.Integer(0) for c in found)
-
-    def _modulo(self, coefficient: sp.Expr) -> Any:
-        return reduce_by(self.letters.read(se.sympify(coefficient)), self.basis)
 
     @cached_property
     def zero(self) -> tuple[str, ...]:
@@ -151,14 +149,7 @@ class ExactFamily:
         c = self.characteristic
         if len(c) < 2:
             return {}
-        found = {"real": c[0]}
-        x = sp.Symbol("lambda")
-        if all(e == 0 for e in c[1::2]):
-            squares = sp.Poly([*reversed(c[::2])], x)
-            found["meeting"] = squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
-        else:
-            found["pair"] = sp.Matrix(hurwitz_matrix(c)).det()
-        return {way: tuple(self._factors(e)) for way, e in found.items()}
+        return {way: tuple(self._factors(e)) for way, e in (("real", c[0]), _critical_condition(c))}
 
     def _factors(self, expr: sp.Expr) -> Iterator[sp.Expr]:
         poly = reduce_by(self.letters.read(se.sympify(sp.together(expr).as_numer_denom()[0])),
@@ -195,7 +186,7 @@ class ExactFamily:
         poly = sp.Poly(whole, unknown, x, domain="QQ")
         factors = (sp.Poly(f.as_expr(), unknown).all_coeffs()[::-1] for f, _ in
                    poly.factor_list()[1])  # fmt: skip
-        edges = {r for c in factors for e in (c[0], c[-1], *_crossings(c)) if e.has(x)
+        edges = {r for c in factors for e in (c[0], c[-1], _critical_condition(c)[1]) if e.has(x)
                  for r in sp.Poly(e, x).real_roots()}  # fmt: skip
         ends = [-sp.oo, *sorted(edges), sp.oo]
         found = [
@@ -221,15 +212,14 @@ def exact_value(value: Any) -> sp.Expr:
     return sp.Rational(found) if found.is_Float else found
 
 
-def _crossings(c: Sequence[sp.Expr]) -> Iterator[sp.Expr]:
-    """What vanishes where pairs cross the imaginary axis, or meet on it; ``c`` are coefficients
-    of an irreducible polynomial from the constant on: where with one root its negative is one, it
-    is even."""
+def _critical_condition(c: Sequence[sp.Expr]) -> tuple[str, sp.Expr]:
+    """Whether a ``pair`` may cross the imaginary axis, or pairs on it have a ``meeting``, and what
+    vanishes where they do; ``c`` are coefficients from the constant on, of a polynomial that is
+    even where with one root its negative is one, as an irreducible one is."""
     if any(e != 0 for e in c[1::2]):
-        yield sp.Matrix(hurwitz_matrix(c)).det() if len(c) > 2 else sp.Integer(1)
-        return
+        return "pair", sp.Matrix(hurwitz_matrix(c)).det() if len(c) > 2 else sp.Integer(1)
     squares = sp.Poly([*reversed(c[::2])], sp.Symbol("lambda"))
-    yield squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
+    return "meeting", squares.discriminant() if squares.degree() > 1 else sp.Integer(1)
 
 
 def _inside(low: sp.Expr, high: sp.Expr) -> sp.Rational:

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
@@ -175,8 +176,6 @@ class IntegralMap:
             given = {n: own.get(n, b) for n, b in zip(names, begin.tolist(), strict=True)}
             return {**given, **velocities}
         definitions = Motions.of(self.phase.motions.namespace.equations).reduction.definitions
-        import sympy as sp
-
         function = sp.lambdify(system.coordinates, definitions, "numpy")
         aim = np.array([own[str(g)] for g in self.flow.positions])
         random = np.random.default_rng(1)
@@ -304,10 +303,10 @@ def integral_map_of(
 
 
 def _exact(system: Any, name: str, value: float) -> Any:
-    """A parameter's value, as it was declared where it was not changed."""
+    """A parameter's value, as it was declared, else the fraction that the double is."""
     declared = next(p.value for p in system.parameters if p.name == name)
     same = declared is not None and number(declared, name) == value
-    return se.sympify(declared if same else value)
+    return se.sympify(declared if same else sp.Rational(value))
 
 
 def _variables_of(flow: VectorField, formulas: Sequence[Any]) -> tuple[Any, ...]:

@@ -45,7 +45,7 @@ class SectionPortrait:
         from voronec.motion.pictures.section_picture import plot_levels
 
         values = [np.where(n.bars < LARGEST_BAR, n.values, np.nan) for n in self.numbers]
-        return plot_levels(self.sections, values, self.reflections, "rotation number")
+        return plot_levels(self.sections, values, self.reflections)
 
 
 @accepts()

@@ -277,11 +277,11 @@ def steady_equations(
     values |= {str(x): start.get(str(x), 0) for x in constants_of(formulation)}
     values |= parameters
     found = SteadyEquations(formulation, program, program.state, (), values, {})
-    given = {n: (e, _value_there(n, e, {**start, **values})) for n, e in found.leaves.items()}
+    given = {n: (e, _value_there(e, {**start, **values})) for n, e in found.leaves.items()}
     return found.fix({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
 
-def _value_there(name: str, expr: Any, at: Mapping[str, Any]) -> Any:
+def _value_there(expr: Any, at: Mapping[str, Any]) -> Any:
     """The value of a leaf function at the start, with coordinates that are not told zero; None
     where that is no number."""
     symbols = {s: as_symengine(at.get(str(s), 0)) for s in expr.free_symbols}
@@ -304,7 +304,7 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
     own = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
     own |= {str(x): x for x in equations.rates.inputs}
     known = {**own, **formulation.integrals}
-    name = key if isinstance(key, str) else plain_name(key)
+    name = plain_name(key)
     if name in known:
         return name, known[name]
     place = f"system '{system.name}': '{quote(name)}'"

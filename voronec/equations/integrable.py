@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.elimination import null_vectors
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import shortest
+from voronec.algebra.normal import shortest, without_denominators
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.shape import operations
 from voronec.algebra.text import as_expression
@@ -65,7 +65,7 @@ def integrate(
     for defects in (slopes_of, brackets) if plain else (brackets,):
         if len(_enlargement(bound, own, relations)) < most:
             forms, columns = _flag([*given, *bound], definition.base, defects, relations)
-            own += [_without_denominators(row, relations) for row in forms]
+            own += [without_denominators(row, relations) for row in forms]
     own = _enlargement(bound, own, relations)
     functions: list[Any] = []
     slopes = bound
@@ -135,14 +135,6 @@ def _enlargement(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
 def _shortest(rows: Rows, relations: Sequence[Any]) -> Rows:
     flat = iter(shortest([e for row in rows for e in row], relations) if rows else ())
     return [[next(flat) for _ in row] for row in rows]
-
-
-def _without_denominators(row: list[Any], relations: Sequence[Any]) -> list[Any]:
-    common = se.Integer(1)
-    for e in row:
-        (scaled,) = shortest([e * common], relations)
-        common *= se.sympify(sp.fraction(sp.together(as_expression(scaled)))[1])
-    return shortest([e * common for e in row], relations)
 
 
 def _is_closed(row: list[Any], variables: Sequence[Any], relations: Sequence[Any]) -> bool:

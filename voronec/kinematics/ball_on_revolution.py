@@ -18,7 +18,13 @@ from voronec.declaration.reading import expression
 from voronec.declaration.shapes import Shape
 from voronec.declaration.sketch import Point
 from voronec.declaration.system import System
-from voronec.kinematics.families import Words, constants, join_declarations, shapes_of_known
+from voronec.kinematics.families import (
+    Words,
+    constants,
+    join_declarations,
+    read_fields,
+    shapes_of_known,
+)
 from voronec.kinematics.forms import two
 from voronec.kinematics.meanings import euler_meanings
 from voronec.kinematics.rotations import Rotation
@@ -59,9 +65,7 @@ class BallOnRevolution:
     length: Any = None
 
     def __post_init__(self) -> None:
-        for name in ("coordinate", "mass", "radius", "inertia", "gravity"):
-            read = expression(getattr(self, name), f"the {name} of a ball")
-            object.__setattr__(self, name, read)
+        read_fields(self, ("coordinate", "mass", "radius", "inertia", "gravity"), "a ball")
         object.__setattr__(self, "profile", two(self.profile, "a profile"))
         length = sp.sqrt(sum(x**2 for x in self.slope)) if self.length is None else self.length
         object.__setattr__(self, "length", expression(length, "the length of a profile"))

@@ -12,7 +12,6 @@ import sympy as sp
 from voronec.declaration.claims import Equation
 from voronec.declaration.derivatives import derivative
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.reading import expression
 from voronec.declaration.shapes import HALF, WHOLE, Shape
 from voronec.declaration.system import System
 from voronec.kinematics.families import (
@@ -20,6 +19,7 @@ from voronec.kinematics.families import (
     constants,
     join_declarations,
     moment_words,
+    read_fields,
     shapes_of_known,
 )
 from voronec.kinematics.forms import SurfaceForms, two
@@ -60,9 +60,7 @@ class BodyOnPlane:
     gravity: Any
 
     def __post_init__(self) -> None:
-        for name in ("coordinate", "support", "mass", "gravity"):
-            read = expression(getattr(self, name), f"the {name} of a body")
-            object.__setattr__(self, name, read)
+        read_fields(self, ("coordinate", "support", "mass", "gravity"), "a body")
         object.__setattr__(self, "moments", two(self.moments, "the moments of a body"))
 
     @cached_property

@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from voronec.algebra.text import as_expression
-from voronec.declaration.reading import fixed_mapping
+from voronec.declaration.reading import expression, fixed_mapping
 from voronec.declaration.scene import Parameter
 from voronec.declaration.shapes import Shape
 from voronec.declaration.system import System
@@ -20,6 +20,13 @@ Words = Mapping[sp.Expr, tuple[str, bool]]
 
 
 FIXED_RADIUS = ("radius of the fixed sphere, signed", False)
+
+
+def read_fields(owner: Any, names: Sequence[str], what: str) -> None:
+    """Have fields of a frozen declaration read as expressions, or refused in one line."""
+    for name in names:
+        read = expression(getattr(owner, name), f"the {name} of {what}")
+        object.__setattr__(owner, name, read)
 
 
 def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:

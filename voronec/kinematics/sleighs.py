@@ -12,11 +12,10 @@ from voronec.algebra.arguments import TEXT, require
 from voronec.algebra.symbols import velocity
 from voronec.algebra.text import as_expression
 from voronec.declaration.geometry import Fibration, Frame
-from voronec.declaration.reading import expression
 from voronec.declaration.scene import Scene
 from voronec.declaration.sketch import Sketch
 from voronec.declaration.system import System
-from voronec.kinematics.families import constants, join_declarations
+from voronec.kinematics.families import constants, join_declarations, read_fields
 from voronec.kinematics.meanings import sleigh_meanings
 from voronec.kinematics.sketches import sleigh_shapes, sleigh_sketch
 
@@ -50,9 +49,7 @@ class Sleigh:
     ground: str = "plane"
 
     def __post_init__(self) -> None:
-        for name in ("mass", "inertia", "ahead"):
-            read = expression(getattr(self, name), f"the {name} of a sleigh")
-            object.__setattr__(self, name, read)
+        read_fields(self, ("mass", "inertia", "ahead"), "a sleigh")
         require("the sleigh", "ground", self.ground, TEXT)
 
     @property

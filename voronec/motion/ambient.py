@@ -41,10 +41,9 @@ from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError, VoronecError
-from voronec.motion.constant_rank import with_implied_rows
 from voronec.motion.constraint_geometry import implied_rows
 from voronec.motion.motion_start import InitialState, WideStart
-from voronec.motion.reactions import conditions_of, drift
+from voronec.motion.reactions import drift
 from voronec.motion.request import Namespace, StartData
 from voronec.motion.trajectory import Trajectory
 
@@ -231,19 +230,20 @@ def _with_reactions(
 
 def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
     system, frame, d = home.system, home.system.frame, home.definition
-    count = len(_held_rows(d)[0])
+    count = len(implied_rows(d)[0])
     sums = _fresh(system, "sum", count)
 
     def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
-        if len(_held_rows(there)[0]) != count:
+        if len(implied_rows(there)[0]) != count:
             raise EngineLimit("a chart has other constraints")
         forces = _held_by_reactions(parts["forces"], there, [*map(velocity, sums)])
         return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
 
-    charts = {
-        name: replace(split, changes=free(split.changes, read(system_in(system, name))))
-        for name, split in _charts_of_velocities(system).items()
-    }
+    charts = {}
+    for name, declared in system.charts.items():
+        chart = _chart_of_velocities(system, declared)
+        there = read(system_in(system, name))
+        charts[name] = replace(chart, changes=free(chart.changes, there))
     moved = bare(
         system, system.name, **free(spell_out(system, frame), d), frame=None,
         fibration=Fibration((*system.coordinates, *sums)), charts=charts,
@@ -261,20 +261,12 @@ def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
     return [_fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
 
 
-def _held_rows(d: Definition, among: Sequence[int] | None = None) -> tuple[list[Any], list[Any]]:
-    """Rows of the constraints and the relations of a system, or of some of the constraints, with
-    those that they imply, and sums of all these that vanish."""
-    if among is None:
-        return implied_rows(d)
-    return with_implied_rows([conditions_of(d)[k] for k in among], d.relations, d.coordinates)
-
-
 def _held_by_reactions(
     forces: Mapping[Any, Any], d: Definition, impulses: Sequence[Any],
     among: Sequence[int] | None = None,
 ) -> dict[Any, sp.Expr]:  # fmt: skip
     """Forces with the reactions of the constraints and the relations of a system."""
-    held, out, (rows, idle) = [], d.bridge.outward, _held_rows(d, among)
+    held, out, (rows, idle) = [], d.bridge.outward, implied_rows(d, among)
     rates = d.dots if d.group is None else d.group.coordinate_rates(d.dots)
     for *row, offset in rows:
         whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
@@ -319,7 +311,7 @@ def _on_group(home: VoronecEquations) -> AmbientFormulation:
     held = [k for k in range(len(matrix)) if k not in own]
     names = dict(zip(d.dots, system.directions, strict=True))
     free = [w for w in d.dots if w not in solved]
-    impulses = _fresh(system, "impulse", len(_held_rows(d, held)[0]))
+    impulses = _fresh(system, "impulse", len(implied_rows(d, held)[0]))
     moved = bare(
         system, system.name, constraints=tuple(system.constraints[k] for k in own),
         forces=_held_by_reactions(system.forces, d, impulses, held),
@@ -354,13 +346,8 @@ def _fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
     return sp.Symbol(name)
 
 
-def _charts_of_velocities(system: System) -> dict[str, Chart]:
-    """The charts of a system in the velocities of the coordinates, which follow these."""
-    return {name: _chart_of_velocities(system, chart) for name, chart in system.charts.items()}
-
-
 def _chart_of_velocities(system: System, chart: Chart) -> Chart:
-    """A chart in the velocities of the coordinates."""
+    """A chart of a system in the velocities of the coordinates, which follow these."""
     frame = chart.changes.get("frame", system.frame)
     quasi = set() if frame is None else {plain_name(v) for v in frame.velocities}
     changes = {name: e for name, e in chart.changes.items() if name != "frame"}

@@ -19,7 +19,7 @@ import symengine as se
 
 from voronec.algebra.elimination import null_vectors
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import canonical, quotient
+from voronec.algebra.normal import canonical, quotient, without_denominators
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.terms import atoms
 
@@ -50,7 +50,7 @@ def with_implied_rows(
         columns = [[e.xreplace(letters) for e in column] for column in zip(*short, strict=True)]
         back = {value: side for side, value in letters.items() if value == SIDE}
         for vector in null_vectors(columns, kept, there):
-            sums = [e.xreplace(back) for e in _without_denominators(vector, there)]
+            sums = [e.xreplace(back) for e in without_denominators(vector, there)]
             new = canonical([dot(sums, column) / factor for column in zip(*short, strict=True)])
             if all(quotient(e)[1].is_Number for e in new):
                 idle.append((*sums, *([se.Integer(0)] * (len(found) - len(rows))), -factor))
@@ -72,10 +72,3 @@ def _places(
             yield cosine, {q: se.pi / 2}, {cosine: zero, sine: SIDE}, [SIDE**2 - 1]
         elif q in held:
             yield q, {q: zero}, {q: zero}, []
-
-
-def _without_denominators(vector: Row, relations: Sequence[Any]) -> list[Any]:
-    """A multiple of a vector without denominators."""
-    parts = [quotient(e, relations) for e in vector]
-    common = se.Mul(*dict.fromkeys(below for _, below in parts if not below.is_Number))
-    return canonical([above * common / below for above, below in parts], relations)

@@ -36,8 +36,8 @@ from voronec.motion.reactions import conditions_of
 from voronec.motion.singular_denominators import (
     DIGITS,
     SingularDenominator,
-    are_dependent,
     are_infinite,
+    are_nearly_dependent,
     around,
     crossing_divisors,
     divisors,
@@ -94,10 +94,12 @@ def _entries_of(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def implied_rows(d: Definition) -> tuple[list[Row], list[Row]]:
-    """Rows of the constraints and the relations of a system with those that they imply, and sums
-    of all these that vanish."""
-    return with_implied_rows(conditions_of(d)[: -len(d.velocities)], d.relations, d.coordinates)
+def implied_rows(d: Definition, among: Sequence[int] | None = None) -> tuple[list[Row], list[Row]]:
+    """Rows of the constraints and the relations of a system, or of some of the constraints, with
+    those that they imply, and sums of all these that vanish."""
+    rows = conditions_of(d)
+    chosen = rows[: -len(d.velocities)] if among is None else [rows[k] for k in among]
+    return with_implied_rows(chosen, d.relations, d.coordinates)
 
 
 def _frame_quality(metric: np.ndarray, conditions: np.ndarray, frame: np.ndarray) -> float:
@@ -193,13 +195,13 @@ class ConstraintGeometry:
 
     def _limit_entries(self, time: Any, wide: np.ndarray, constants: Any = None) -> dict[str, Any]:
         """Entries by name; as they are by continuity where the constraints are infinite or
-        dependent."""
+        nearly dependent."""
         entries = self._entries(time, wide.tolist(), constants)
         rows = self._rows_of(entries, wide.dtype)[0][:, :-1].astype(float)
         if not np.isfinite(rows).all() or are_infinite(rows):
             in_doubles = self.home.definition.group is None and wide.dtype != object
             return entries | (self._finite_rows(time, wide) if in_doubles else {})
-        if are_dependent(rows) and (implied := self._implied_conditions) is not None:
+        if are_nearly_dependent(rows) and (implied := self._implied_conditions) is not None:
             return entries | self._by_name(implied, time, wide, constants)
         return entries
 

@@ -364,8 +364,8 @@ class _ResultRows:
         progress: Callable[[float], Any] | None,
     ) -> bool:  # fmt: skip
         """Motions that went wrong, did not start, or came near a place where the equations are
-        singular, once more, each alone: ``integrate`` goes on in other charts and splits; where
-        no lanes carry them, ``every`` one.
+        singular, once more, each alone: ``integrate`` goes on in other charts, or in all
+        velocities; where no lanes carry them, ``every`` one.
 
         Whether it was stopped by hand.
         """

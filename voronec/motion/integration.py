@@ -29,7 +29,7 @@ from voronec.motion.constraint_geometry import divisor_program
 from voronec.motion.methods import METHODS, choose, is_exact
 from voronec.motion.motion_start import FAST, InitialState, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
-from voronec.motion.observables import ObservedQuantities, evaluate_watch, shown_program
+from voronec.motion.observables import ObservedQuantities, evaluate_watch
 from voronec.motion.request import (
     Guard,
     Namespace,
@@ -167,7 +167,7 @@ class MotionRequest:
         """In how many bits a start is computed that is exact."""
         return ceil(-log2(self.tol)) + 2 * MARGIN
 
-    def by_controllers(self, _: IntegrationError | None) -> Trajectory:
+    def by_controllers(self) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
         would be misled by a second try."""
         made = whole(self.namespace, self.outputs, self.functions)
@@ -590,19 +590,6 @@ class _Sight:
             return make_trajectory(
                 self.namespace, self.watch, self.program, t, states, self.at(t), self.cost, **ends
             )
-
-    def series(
-        self, t: np.ndarray, states: np.ndarray, names: Sequence[str]
-    ) -> Mapping[str, np.ndarray]:
-        """Some of what is watched, or of the states, at some states."""
-        own = dict(zip(map(str, self.program.state), states.T, strict=True))
-        if {*names} <= own.keys():
-            return own
-        known = self.at(t)
-        values = [known.get(str(p), np.nan) for p in self.program.parameters]
-        with mpmath.workprec(self.bits):
-            shown = shown_program(self.program, self.watch.for_conservation)
-            return own | evaluate_watch(self.watch, shown, t, states, values)
 
     def crossings(self, t: np.ndarray, states: np.ndarray) -> Crossings:
         """What is watched at the passages of an event."""

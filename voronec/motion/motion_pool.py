@@ -188,11 +188,9 @@ class Many:
 
     @property
     def may_go_on(self) -> bool:
-        """Whether a motion, where its equations fail, may go on in other charts or splits."""
+        """Whether a motion whose equations fail may go on in a chart, or in all velocities."""
         equations = self.namespace.equations
-        if equations.system.charts or euler_angles(equations):
-            return True
-        return bool(self.divisors)
+        return bool(equations.system.charts or euler_angles(equations) or self.divisors)
 
     def one(self, i: int) -> Many:
         """Motion i as if there were no other."""

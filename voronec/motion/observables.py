@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -135,21 +135,14 @@ def jumps(expr: Any) -> bool:
     return bool(expr.atoms(se.sign, se.floor))
 
 
-def watch_of(
-    namespace: Namespace, outputs: Sequence[Any], integrals: Iterable[str] | None = None
-) -> ObservedQuantities:
-    """Outputs, declared integrals with the size of their terms, every relation.
-
-    ``integrals`` names those to follow; without it, all.
-    """
+def watch_of(namespace: Namespace, outputs: Sequence[Any]) -> ObservedQuantities:
+    """Outputs, declared integrals with the size of their terms, every relation."""
     system = namespace.equations.system
     wanted = namespace.read_outputs(outputs)
-    chosen = system.integrals if integrals is None else tuple(integrals)
-    names = [namespace.name(name, system.integrals, "integral") for name in chosen]
     return ObservedQuantities.of(
         wanted,
         wanted.expressions,
-        {name: namespace.inward(namespace.claims[name]) for name in names},
+        {name: namespace.inward(namespace.claims[name]) for name in system.integrals},
         {str(r): namespace.inward(r) for r in system.fibration.relations},
         Multipliers.of(namespace.reaction_definition) if wanted.reactions else None,
     )

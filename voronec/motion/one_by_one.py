@@ -2,7 +2,7 @@
 
 Lanes of a batch carry one right side.  Where switching surfaces are reached, inputs change in time,
 or equations come near a place at which they are singular, a motion is integrated alone: it goes on
-in other modes, charts and splits.
+in other modes and charts, or in all velocities.
 """
 
 from __future__ import annotations

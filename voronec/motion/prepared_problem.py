@@ -135,7 +135,7 @@ class PreparedProblem:
                 followed, method, began, given, self.project,
             )  # fmt: skip
             if driven.changing is not None and driven.changing.feedbacks:
-                return request.by_controllers(None)
+                return request.by_controllers()
             ways = (request.in_smallest, request.otherwise, request.on_coordinates)
             return first_success(request.in_any_velocities(ways), start)
 

@@ -522,14 +522,6 @@ class Namespace:
             )
         return name
 
-    def quantity(self, key: Any) -> tuple[str, Any]:
-        """A single output: what it is called, and its expression inside.
-
-        ``key`` is a name, a symbol, or an expression in them.
-        """
-        name, expr = self.read_condition(key)
-        return name, self.inward(expr)
-
     def read_condition(self, key: Any) -> tuple[str, sp.Expr]:
         """A single output, with its expression in the user's symbols, those of invariants among
         them.

@@ -263,14 +263,15 @@ def without_guards(run: Run, guards: Sequence[SingularDenominator], namespace: N
     return run.without(names)
 
 
-DEPENDENT = 1e-3
-"""Constraints whose least singular value is below this part of the largest are dependent."""
+NEARLY_DEPENDENT = 1e-3
+"""Constraints whose least singular value is below this part of the largest lose three digits or
+more; with what they imply beside them none are lost."""
 
 
-def are_dependent(rows: np.ndarray) -> bool:
-    """Whether the rows (m, N) of constraints are dependent at one place."""
+def are_nearly_dependent(rows: np.ndarray) -> bool:
+    """Whether the rows (m, N) of constraints are dependent at one place, or next to it."""
     sizes = np.linalg.svd(_unit(rows), compute_uv=False)
-    return bool(sizes.min(initial=1.0) < DEPENDENT * sizes.max(initial=1.0))
+    return bool(sizes.min(initial=1.0) < NEARLY_DEPENDENT * sizes.max(initial=1.0))
 
 
 def _unit(rows: np.ndarray) -> np.ndarray:

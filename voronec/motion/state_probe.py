@@ -73,14 +73,14 @@ def changes(values: np.ndarray, start: Any) -> np.ndarray:
         return np.abs(values - start)
 
 
-def usual_size(sizes: np.ndarray, otherwise: float = 0.0) -> float:
-    """The median of those sizes that are finite; where there are none, another number.
+def usual_size(sizes: np.ndarray) -> float:
+    """The median of those sizes that are finite; zero where there are none.
 
     That of numpy imports masked arrays first, which takes longer than all else here.
     """
     finite = np.sort(sizes[np.isfinite(sizes)])
     n = len(finite)
-    return float(finite[(n - 1) // 2] + finite[n // 2]) / 2 if n else otherwise
+    return float(finite[(n - 1) // 2] + finite[n // 2]) / 2 if n else 0.0
 
 
 def quantities(form: Any, extras: Any) -> Program:

@@ -169,7 +169,7 @@ def meanings_of(system: System) -> dict[str, str]:
     from voronec.algebra.symbols import plain_name  # imports sympy, which no reader needs
 
     said = {p.name: p.meaning for p in system.parameters}
-    things = {plain_name(k) if not isinstance(k, str) else k: m for k, m in system.meanings.items()}
+    things = {plain_name(k): m for k, m in system.meanings.items()}
     return {name: words for name, words in {**said, **things}.items() if words}
 
 

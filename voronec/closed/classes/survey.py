@@ -181,7 +181,6 @@ def classify_many(
     parameters: Mapping[Any, Any],
     initial: Mapping[Any, Any],
     trace: str | None = None,
-    progress: Callable[[float], Any] | None = None,
 ) -> Survey:
     """The class of every one of n motions on one sphere, the first unless told.
 
@@ -191,13 +190,10 @@ def classify_many(
     found = survey(system, parameters, initial, trace)
     values = arrays(declared_traces(system), parameters, initial)
     labels, reversals = found.labels.astype(object), found.reversals.copy()
-    left = found.open
-    for done, i in enumerate(left):
+    for i in found.open:
         label, turns = _exact_label(system, [row[i] for row in values], trace)
         labels[i] = label
         reversals[i] = turns
-        if progress is not None and done % 50 == 0:
-            progress(done / len(left))
     return replace(found, labels=labels, reversals=reversals)
 
 

@@ -65,7 +65,6 @@ def levels_of(one: BifurcationSet, grid: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def bifurcation_figure(
     sets: Mapping[str, BifurcationSet],
-    title: str = "",
     labels: tuple[str, str] | None = None,
     poles: Mapping[str, Mapping[str, float]] | None = None,
     windows: Mapping[str, Window] | None = None,
@@ -98,8 +97,6 @@ def bifurcation_figure(
             if panel is panels[0]:
                 panel.set_ylabel(up)
         _legend(figure, bool(poles), note)
-        if title:
-            figure.suptitle(title, fontsize=10.5)
     return figure
 
 

@@ -135,28 +135,22 @@ def _numbers(quartic: sp.Expr, x: sp.Symbol, constant: sp.Symbol, value: Any) ->
     return tuple(float(c) for c in reversed(poly.all_coeffs()))
 
 
-def phase_figure(
-    levels: Sequence[PhaseLevel], title: str = "", note: str = "", x: str = "x"
-) -> Any:
+def phase_figure(levels: Sequence[PhaseLevel], note: str = "") -> Any:
     """A matplotlib ``Figure``: f above, the plane (x, xdot) below, on one axis of x.
 
     levels
         of ``phase_levels``, or others; f is drawn for the motion and for the separatrices.
-    x
-        the name of the variable, as mathtext.
     """
     if not levels:
         raise DefinitionError("there is no level to draw")
     with figure_in_style(4.0, 4.5) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.6))
-        _quartics(above, levels, x)
+        _quartics(above, levels)
         order = ("other", "rest", "separatrix", "motion")
         for level in sorted(levels, key=lambda level: order.index(level.kind)):
             _ovals(below, level)
-        _frame(below, levels, x)
+        _frame(below, levels)
         _links(above, below, levels)
-        if title:
-            figure.suptitle(title, fontsize=10.5)
         if note:
             figure.supxlabel(note, fontsize=8)
     return figure
@@ -169,7 +163,7 @@ LOOK: dict[str, Any] = {
 }
 
 
-def _quartics(panel: Any, levels: Iterable[PhaseLevel], x: str) -> None:
+def _quartics(panel: Any, levels: Iterable[PhaseLevel]) -> None:
     """f for the motion and the separatrices, its roots, and where it is positive."""
     place = np.linspace(-1, 1, 801)
     tops = [0.0]
@@ -189,7 +183,7 @@ def _quartics(panel: Any, levels: Iterable[PhaseLevel], x: str) -> None:
     top = max(tops) or 1.0
     panel.axhline(0, color="#444444", linewidth=0.6)
     panel.set_ylim(-0.6 * top, 1.12 * top)
-    panel.set_ylabel(f"$f({x})$")
+    panel.set_ylabel("$f(x)$")
     panel.spines[["top", "right"]].set_visible(False)
 
 
@@ -212,14 +206,14 @@ def _ovals(panel: Any, level: PhaseLevel) -> None:
         panel.plot([level.double], [0], "o", color=MARK, markersize=3.2, zorder=5)
 
 
-def _frame(panel: Any, levels: Sequence[PhaseLevel], x: str) -> None:
+def _frame(panel: Any, levels: Sequence[PhaseLevel]) -> None:
     """Axes, and the height that shows the separatrices and the motion whole."""
     place = np.linspace(-1, 1, 801)
     weighty = [level for level in levels if level.kind in ("motion", "separatrix")] or levels
     top = max(float(np.sqrt(max(level(place).max(), 0.0))) for level in weighty) or 1.0
-    panel.set(xlim=(-1, 1), ylim=(-1.45 * top, 1.45 * top), xlabel=f"${x}$")
+    panel.set(xlim=(-1, 1), ylim=(-1.45 * top, 1.45 * top), xlabel="$x$")
     panel.set_xticks((-1, -0.5, 0, 0.5, 1))
-    panel.set_ylabel(rf"$\dot{{{x}}}$")
+    panel.set_ylabel(r"$\dot{x}$")
     panel.axhline(0, color="#444444", linewidth=0.4, zorder=1)
     panel.spines[["top", "right"]].set_visible(False)
 

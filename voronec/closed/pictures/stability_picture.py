@@ -24,9 +24,7 @@ SMALL = 0.15
 
 def stability_figure(
     charts: Mapping[str, StabilityChart],
-    title: str = "",
     labels: tuple[str, str] | None = None,
-    columns: int = 3,
     note: str = "",
 ) -> Any:
     """A matplotlib ``Figure``: where regular precessions are stable.
@@ -35,8 +33,6 @@ def stability_figure(
         title of a panel -> chart, whose regions and boundary curves are drawn.
     labels
         of the two axes, as mathtext; the names of the chart unless told.
-    columns
-        panels in a row.
     note
         small words above the legend.
 
@@ -46,7 +42,7 @@ def stability_figure(
 
     if not charts:
         raise DefinitionError("there is no chart to draw")
-    columns = min(columns, len(charts))
+    columns = min(3, len(charts))
     rows = -(-len(charts) // columns)
     size = (0.5 + 1.95 * columns, 0.8 + 2.2 * rows)
     with rc_context({"hatch.linewidth": 0.35}), figure_in_style(*size) as figure:
@@ -62,8 +58,6 @@ def stability_figure(
             if panel in panels[:, 0]:
                 panel.set_ylabel(y)
         _legend(figure, note)
-        if title:
-            figure.suptitle(title, fontsize=10.5)
     return figure
 
 

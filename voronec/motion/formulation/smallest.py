@@ -237,7 +237,6 @@ def smallest_model(
     integrals: Mapping[str, sp.Expr],
     start: Mapping[Any, float] | None = None,
     thorough: bool = False,
-    followed: Collection[str] = (),
 ) -> Model:
     """The cheapest model in which the wanted quantities can be computed.
 
@@ -245,10 +244,9 @@ def smallest_model(
     ``start`` gives numbers of coordinates, velocities, parameters and the time, as symbols inside
     the engine's symbols: with it, what is zero is frozen; without it, the model holds for all
     starts.  Where invariants alone suffice, coordinates are weighed only in a ``thorough`` search:
-    they hold the same products, and sines besides.  Outputs that are ``followed`` are not read off
-    as angles.
+    they hold the same products, and sines besides.
     """
-    models = SmallestModels.of(motions, wanted, integrals, thorough, followed)
+    models = SmallestModels.of(motions, wanted, integrals, thorough)
     return models.general if start is None else models.of_start(start).model
 
 

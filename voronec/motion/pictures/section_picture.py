@@ -46,12 +46,11 @@ def plot_section(section: Any) -> Any:
 
 
 def plot_levels(
-    sections: Sequence[Any], values: Sequence[np.ndarray], reflections: Sequence[tuple[int, int]],
-    what: str,
-) -> Any:  # fmt: skip
-    """A panel for each section: the motions in colours by a value each, grey where it is no number,
-    with the images of all points under ``reflections`` of the first two outputs, and the lines that
-    these fix."""
+    sections: Sequence[Any], values: Sequence[np.ndarray], reflections: Sequence[tuple[int, int]]
+) -> Any:
+    """A panel for each section: the motions in colours by rotation numbers, grey where there is
+    none, with the images of all points under ``reflections`` of the first two outputs, and the
+    lines that these fix."""
     known = np.concatenate(values)
     known = known[np.isfinite(known)]
     low, high = (known.min(), known.max()) if len(known) else (0.0, 1.0)
@@ -75,7 +74,7 @@ def plot_levels(
             panel.margins(0.04)
             panel.spines[["top", "right"]].set_visible(False)
             panel.set_title(_title(section), fontsize=9)
-        figure.colorbar(dots, ax=panels, label=what, pad=0.02)
+        figure.colorbar(dots, ax=panels, label="rotation number", pad=0.02)
     return figure
 
 

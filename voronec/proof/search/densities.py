@@ -46,7 +46,7 @@ from voronec.errors import EngineLimit
 from voronec.proof.claims import specialise
 from voronec.proof.hamiltonian_form import decide_multiplier
 from voronec.proof.measures import decide_measure
-from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.lifting import SURPLUS, lift_vector
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes, solve_each
 from voronec.proof.search.residues import Array, free_columns
@@ -56,8 +56,6 @@ FACTORS = 60
 """So many factors are taken into an ansatz, the shortest first."""
 TERMS = 400
 """Polynomials with more terms are not taken apart."""
-SPARE = 12
-"""Points beyond the number of unknowns."""
 
 
 @dataclass(frozen=True)
@@ -288,7 +286,7 @@ class _Ansatz:
         """The density, None where there is none; and whether it is proved that there is no
         other."""
         probe = self._probe()
-        count = len(self.factors) + len(self.terms) + SPARE
+        count = len(self.factors) + len(self.terms) + SURPLUS
         values = probe.one(count, rng)
         table = self._table(values)
         _, pivots = free_columns(table, values.p)

@@ -35,11 +35,11 @@ from voronec.errors import DefinitionError, EngineLimit
 from voronec.proof.claims import decide_integral
 from voronec.proof.decision import all_zero
 from voronec.proof.search.densities import motions_at
+from voronec.proof.search.lifting import SURPLUS, lift_kernel
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values
 from voronec.proof.search.residues import Array
 from voronec.proof.search.search import read_expressions, search_integrals
-from voronec.proof.search.symmetries import SPARE, lift_kernel
 
 CIRCULAR = (se.sin, se.cos, se.tan)
 
@@ -192,7 +192,7 @@ def _affine_symmetries(motions: Motions, seed: int) -> list[list[Any]]:
     state = [*own.coordinates, se.Integer(1)]
     allowed = [i for i in range(n * (n + 1)) if state[i % (n + 1)] not in turning]
     rng, found = np.random.default_rng(abs(seed)), []
-    for entries in lift_kernel(lambda v: table(v)[:, allowed], len(allowed) + SPARE, probe, rng):
+    for entries in lift_kernel(lambda v: table(v)[:, allowed], len(allowed) + SURPLUS, probe, rng):
         y = [se.Integer(0)] * n
         for place, weight in entries.items():
             component, factor = divmod(allowed[place], n + 1)

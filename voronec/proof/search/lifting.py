@@ -313,6 +313,24 @@ def _expression(quotient: RationalEntry, constants: Sequence[Any]) -> Any:
     return above / below
 
 
+def lift_kernel(
+    table: Callable[[Values], Array], points: int, probe: Probe, rng: Any
+) -> Iterator[dict[int, Any]]:
+    """The vectors that a table of values of a probe takes to zero, by their entries: each is 1 at
+    one place, and the others are functions of the parameters."""
+    values = probe.one(points, rng)
+    vectors, free = kernel(table(values), values.p)
+    for vector, place in zip(vectors, free, strict=True):
+        support = [int(i) for i in np.flatnonzero(vector) if i != place]
+
+        def solve(values: Values, support: Sequence[int] = support, place: int = place) -> Any:
+            found, last = kernel(table(values)[:, [*support, place]], values.p)
+            return found[0][:-1] if last == [len(support)] else None
+
+        weights = lift_vector(solve, len(support), probe, rng) if support else []
+        yield {place: se.Integer(1), **dict(zip(support, weights, strict=True))}
+
+
 def _sample_coefficients(
     candidate: ModularIntegral, probe: Probe, points: Array, p: int, rng: Any
 ) -> Array:

@@ -14,7 +14,7 @@ mass, else from the accelerations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from math import factorial, prod
@@ -35,15 +35,13 @@ from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import EngineLimit
 from voronec.proof.decision import all_zero
 from voronec.proof.search.densities import motions_at
-from voronec.proof.search.lifting import lift_vector
+from voronec.proof.search.lifting import SURPLUS, lift_kernel
 from voronec.proof.search.outcome import plain_data
 from voronec.proof.search.probe import Probe, Values, motion_slopes
 from voronec.proof.search.rational import RationalFlow
-from voronec.proof.search.residues import PRIMES, Array, kernel
+from voronec.proof.search.residues import PRIMES, Array
 from voronec.proof.search.search import specialize_field
 
-SPARE = 12
-"""Points beyond the number of unknowns."""
 LARGEST = 10**6
 """Parameters are drawn below it."""
 MAPS = 100_000
@@ -163,26 +161,8 @@ def _affine_fields(field: VectorField, rng: Any) -> Iterator[SymmetryField]:
     def table(values: Values) -> Array:
         return _commutator_table(field, values)
 
-    for entries in lift_kernel(table, size + 1 + SPARE, probe, rng):
+    for entries in lift_kernel(table, size + 1 + SURPLUS, probe, rng):
         yield _proved_field(field, entries)
-
-
-def lift_kernel(
-    table: Callable[[Values], Array], points: int, probe: Probe, rng: Any
-) -> Iterator[dict[int, Any]]:
-    """The vectors that a table of values of a probe takes to zero, by their entries: each is 1 at
-    one place, and the others are functions of the parameters."""
-    values = probe.one(points, rng)
-    vectors, free = kernel(table(values), values.p)
-    for vector, place in zip(vectors, free, strict=True):
-        support = [int(i) for i in np.flatnonzero(vector) if i != place]
-
-        def solve(values: Values, support: Sequence[int] = support, place: int = place) -> Any:
-            found, last = kernel(table(values)[:, [*support, place]], values.p)
-            return found[0][:-1] if last == [len(support)] else None
-
-        weights = lift_vector(solve, len(support), probe, rng) if support else []
-        yield {place: se.Integer(1), **dict(zip(support, weights, strict=True))}
 
 
 def _commutator_table(field: VectorField, values: Values) -> Array:
