@@ -71,7 +71,7 @@ class ShapesInMotion:
         if not np.isfinite(poses).all():
             raise DefinitionError(
                 f"system '{record.system.name}': the places of its shapes need coordinates that "
-                "the trajectory does not hold; integrate without outputs=..."
+                "the trajectory does not hold; integrate with outputs='configuration'"
             )
         return poses.reshape(len(t), len(shapes), POSE)
 
