@@ -20,7 +20,8 @@ from urllib.parse import unquote, urlsplit
 
 import voronec
 from pages import audit, gallery
-from voronec.motion.viewer.gallery import MOTIONS, write_gallery
+from voronec.motion.viewer.gallery import write_gallery
+from voronec.motion.viewer.page import Page
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -177,8 +178,8 @@ def _add_behind(words: str, more: str, page: Path) -> None:
 
 
 def add_motions(page: Path, folder: Path) -> None:
-    """Write the pages of motions, and show the first where these are told of, and each on the page
-    of its system."""
+    """Write the pages of motions, and show the first where these are told of, and on the page of
+    each system its default scene."""
     folder.mkdir(parents=True, exist_ok=True)
     listed, first, *_ = write_gallery(folder)
     place = f"../{folder.name}"
@@ -189,12 +190,21 @@ def add_motions(page: Path, folder: Path) -> None:
 ```
 """
     _add_behind(SITE_PAGES, shown, page)
-    for name, scene, _ in MOTIONS:
-        own = page.parents[1] / "systems" / f"{name}.md"
-        frame = f'<iframe src="{place}/{name}-{scene}.html" loading="lazy" title="{scene}" '
-        if scene == "default":
+    for own in sorted((page.parents[1] / "systems").glob("[!R]*.md")):
+        target = folder / f"{own.stem}-default.html"
+        if target.exists() or _write_motion(voronec.load(own.stem), target):
+            frame = f'<iframe src="{place}/{target.name}" loading="lazy" title="default" '
             style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
             _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
+
+
+def _write_motion(system: voronec.System, target: Path) -> bool:
+    """Write the page of a default scene, and say whether there is one to be seen."""
+    if not system.shapes or "default" not in system.scenes:
+        return False
+    motion = voronec.integrate(system, outputs=(*system.coordinates, *system.velocities))
+    target.write_text(Page(motion, system.scenes["default"].caption).text, "utf-8")
+    return True
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:

@@ -92,6 +92,15 @@ class ShapesInMotion:
         ]  # fmt: skip
 
     @cached_property
+    def grains(self) -> list[float]:
+        """Half the longest diagonal of each shape's quadrilaterals; 0 for what has no end."""
+        return [
+            max(float(np.linalg.norm(q[:, 2] - q[:, 0], axis=-1).max()) for q, _ in parts) / 2
+            if _is_bounded(shape) else 0.0
+            for shape, parts in zip(self.trajectory.system.shapes, self.finite_patches, strict=True)
+        ]  # fmt: skip
+
+    @cached_property
     def body(self) -> int:
         """The first shape that moves."""
         roles = [shape.role for shape in self.trajectory.system.shapes]
@@ -189,11 +198,11 @@ class ShapesInMotion:
             )
             depth = seen[..., 2].mean(axis=1)
             depths.append(depth if _is_bounded(shape) else depth - 1e6 * (1 + np.abs(depth).max()))
-            for line, colour in self._traces(i, now):
+            for line, colour, above in self._traces(i, now):
                 flat, near = _ribbon(line @ self.axes.T, half / 160)
                 polygons.append(flat)
                 colours.append(np.tile(_rgba(colour), (len(flat), 1)))
-                depths.append(near + 0.12 * max(self.sizes[self.body], half / 100))
+                depths.append(near + above)
         order = np.argsort(np.concatenate(depths), kind="stable")
         found = [np.concatenate(each)[order] for each in (polygons, colours)]
         panel.clear()
@@ -205,13 +214,17 @@ class ShapesInMotion:
         panel.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
         panel.text(0.02, 0.02, f"$t = {t:.2f}$", transform=panel.transAxes, fontsize=10)
 
-    def _traces(self, i: int, now: int) -> list[tuple[np.ndarray, str]]:
-        """The traces (k, 3) of a contact as they lie at an instant: on the body, and in space."""
+    def _traces(self, i: int, now: int) -> list[tuple[np.ndarray, str, float]]:
+        """The traces (k, 3) of a contact as they lie at an instant: on the body, and in space; and
+        by how much they are nearer than the quadrilaterals on which they lie."""
         if self.trajectory.system.shapes[i].contact is None or not now:
             return []
         past, pose = self.poses[: now + 1, i], self.poses[now, i]
         own = np.einsum("kji,kj->ki", past[:, 3:12].reshape(-1, 3, 3), past[:, 12:] - past[:, :3])
-        return [(own @ pose[3:12].reshape(3, 3).T + pose[:3], INK), (past[:, 12:], MARK)]
+        on_body = own @ pose[3:12].reshape(3, 3).T + pose[:3]
+        grounds = zip(self.trajectory.system.shapes, self.grains, strict=True)
+        under = max((grain for shape, grain in grounds if shape.role == "ground"), default=0.0)
+        return [(on_body, INK, self.grains[i]), (past[:, 12:], MARK, under)]
 
 
 def _is_bounded(shape: Any) -> bool:
