@@ -93,9 +93,10 @@ class ShapesInMotion:
 
     @cached_property
     def grains(self) -> list[float]:
-        """Half the longest diagonal of each shape's quadrilaterals; 0 for what has no end."""
+        """How far each shape's quadrilaterals reach from their middles, and a fifth more, so that
+        lines along an edge are drawn whole; 0 for what has no end."""
         return [
-            max(float(np.linalg.norm(q[:, 2] - q[:, 0], axis=-1).max()) for q, _ in parts) / 2
+            0.6 * max(float(np.linalg.norm(q[:, 2] - q[:, 0], axis=-1).max()) for q, _ in parts)
             if _is_bounded(shape) else 0.0
             for shape, parts in zip(self.trajectory.system.shapes, self.finite_patches, strict=True)
         ]  # fmt: skip
