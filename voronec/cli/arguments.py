@@ -268,7 +268,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
     ),
     "periodic": (
         "periodic", "find a periodic orbit, or a family, with its multipliers", SYSTEM, MOTION,
-        Option("--period T", "a guess of the period (the time when the motion is back near its start)"),
+        Option("--period T", "a guess of the period (when the motion is back near its start)"),
         VARIABLES,
         Option("--hold A,B", "integrals that keep the values of the start"),
         Option("--along NAME=VALUE", "follow the family along an integral or a parameter up to "
@@ -304,7 +304,8 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _several("--set NAME=VALUE", "another value of a parameter" + OFTEN),
         _several("--between NAME=A:B", "the range of an axis" + OFTEN),
         Option("--scene S", "the scene whose start gives the usual sizes ('default')"),
-        _number("starts", 60, "number of searches"), _number("seed", 1, "seed of the random starts"),
+        _number("starts", 60, "number of searches"),
+        _number("seed", 1, "seed of the random starts"),
         Option("--out DIR", "folder for bifurcation.csv and bifurcation.svg"),
     ),
     "sweep": (
@@ -324,7 +325,7 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         _number("seed", 1, "seed of the random draws"),
         Option("--jobs N", "number of processes (one for each processor)", {"type": int}),
         Option("--scheduler ADDRESS|FILE", "compute on a cluster: a scheduler of Dask"),
-        Option("--chunk N", "number of motions that are kept together (up to 16384)", {"type": int}),
+        Option("--chunk N", "how many motions are kept together (up to 16384)", {"type": int}),
         Option("--resume", "resume a sweep that was stopped"),
         Option("--plot FILE", "draw what is recorded: a .svg, .png or .pdf"),
         Option("--out DIR", "the folder, in .zarr (./NAME-sweep.zarr)"),
