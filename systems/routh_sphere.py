@@ -42,7 +42,7 @@ rho = sp.sqrt(A * C + m * (A * R**2 * (1 - gamma[2] ** 2) + C * arm[2] ** 2))
 
 declaration = ball.declared(potential=m * g * l * gamma[2])
 declaration["meanings"] |= {
-    "Jellett": "(G, r): of the momentum about the contact and the way there from the mass centre",
+    "Jellett": "(G, r), G the momentum about the contact, r from the mass centre to the contact",
     "Routh": "the spin about the axis, times the root of a quadratic in gamma3",
 }
 

@@ -207,6 +207,28 @@ def test_bodies_in_front_hide_what_is_behind() -> None:
         assert (blue > red) == (order > 0)  # the body is blue, the ground sand
 
 
+def test_traces_do_not_shine_through_what_is_above_them() -> None:
+    """A wheel below a wide low board: neither its trace on the ground nor that on it is seen."""
+    from matplotlib.colors import to_rgb
+
+    from voronec.declaration.figure_style import INK, MARK
+    from voronec.motion.pictures.scene_film import ShapesInMotion, picture
+
+    x = sp.Symbol("x")
+    hidden = vo.System(
+        name="board", fibration=vo.Fibration(x), lagrangian=vo.velocity(x) ** 2 / 2,
+        shapes=(vo.Shape.box((4, 4, 0.05), centre=(x, 0, 0.65)),
+                vo.Shape.wheel(0.3, 0, 4 * x, centre=(x, 0, 0.3), contact=(x, 0, 0)),
+                vo.Shape.plane()),
+    )  # fmt: skip
+    run = vo.integrate(hidden, initial={x: 0, vo.velocity(x): 1}, times=np.linspace(0, 1.5, 40))
+    figure = picture(ShapesInMotion(run), 39)
+    figure.canvas.draw()
+    seen = np.asarray(figure.canvas.buffer_rgba())[40:430, :, :3] / 255
+    for colour in (INK, MARK):  # on the wheel, on the ground
+        assert (np.abs(seen - to_rgb(colour)).max(axis=-1) > 0.1).all()
+
+
 def test_a_film_has_its_frames(run: vo.Trajectory, tmp_path: Path) -> None:
     from PIL import Image
 
@@ -249,6 +271,14 @@ def test_films_that_cannot_be_are_refused_before_any_work(
 )
 def test_run_refuses_a_film_in_one_line(call: Call, words: str, told: str) -> None:
     assert told in refused(call("run", *words.split()))
+
+
+def test_a_film_takes_what_it_needs_beside_the_outputs(call: Call) -> None:
+    words = "two-wheeled-carriage --outputs v --times 0:1:3 --animate a.gif"
+    assert call("run", *words.split()).status == 0
+    assert Path("a.gif").read_bytes().startswith(b"GIF8")
+    head = Path("two-wheeled-carriage-run/trajectory.csv").read_text().partition("\n")[0]
+    assert head == "t,v,left,right,x,y,phi"
 
 
 # -- traces of a closed form ----------------------------------------------------------------------

@@ -38,6 +38,12 @@ def test_notebooks_for_jupyter_hold_the_cells_of_their_pages(build) -> None:
         assert words[0].startswith("# ") and not any("code-cell" in part for part in words)
 
 
+def test_systems_with_shapes_have_a_motion_on_their_page(build, tmp_path: Path) -> None:
+    there, none = (tmp_path / f"{name}-default.html" for name in ("sleigh", "rolling-body"))
+    assert build._has_motion(there) and "<canvas" in there.read_text("utf-8")
+    assert not build._has_motion(none) and not none.exists()  # its surfaces are not given
+
+
 def test_links_that_lead_nowhere_are_found(build, tmp_path: Path) -> None:
     (tmp_path / "other.html").write_text('<p id="here">')
     good = '<a href="other.html#here"><a href="other.html"><a href="https://doi.org/10.1/x">'

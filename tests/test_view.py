@@ -302,7 +302,7 @@ def test_what_has_no_page_is_refused_in_one_line(
     assert main(["view", "demchenko", *long]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "too long for a page" in said
-    with pytest.raises(vo.DefinitionError, match=r"needs u, v, .* integrate without outputs"):
+    with pytest.raises(vo.DefinitionError, match=r"needs u, v, .* integrate with outputs="):
         vo.integrate(vo.load("rubber-ball-on-plane"), outputs=("omega1",)).view()
 
 

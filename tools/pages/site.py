@@ -12,15 +12,18 @@ import json
 import re
 import shutil
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from html.parser import HTMLParser
 from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import voronec
 from pages import audit, gallery
-from voronec.motion.viewer.gallery import MOTIONS, write_gallery
+from voronec.motion.viewer.gallery import write_gallery
+from voronec.motion.viewer.page import Page
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -177,9 +180,10 @@ def _add_behind(words: str, more: str, page: Path) -> None:
 
 
 def add_motions(page: Path, folder: Path) -> None:
-    """Write the pages of motions, and show the first where these are told of, and each on the page
-    of its system."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write the pages of motions, and show the first where these are told of, and on the page of
+    each system its default scene."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     listed, first, *_ = write_gallery(folder)
     place = f"../{folder.name}"
     shown = f"""
@@ -189,12 +193,27 @@ def add_motions(page: Path, folder: Path) -> None:
 ```
 """
     _add_behind(SITE_PAGES, shown, page)
-    for name, scene, _ in MOTIONS:
-        own = page.parents[1] / "systems" / f"{name}.md"
-        frame = f'<iframe src="{place}/{name}-{scene}.html" loading="lazy" title="{scene}" '
-        if scene == "default":
-            style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
+    systems = sorted((page.parents[1] / "systems").glob("[!R]*.md"))
+    targets = [folder / f"{own.stem}-default.html" for own in systems]
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        there = [*pool.map(_has_motion, targets)]
+    for own, target, shows in zip(systems, targets, there, strict=True):
+        frame = f'<iframe src="{place}/{target.name}" loading="lazy" title="default" '
+        style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
+        if shows:
             _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
+
+
+def _has_motion(target: Path) -> bool:
+    """Write the page of a default scene if it is not there, and say whether there is one."""
+    if target.exists():
+        return True
+    system = voronec.load(target.stem.removesuffix("-default"))
+    if not system.shapes or "default" not in system.scenes:
+        return False
+    motion = voronec.integrate(system, outputs=(*system.coordinates, *system.velocities))
+    target.write_text(Page(motion, system.scenes["default"].caption).text, "utf-8")
+    return True
 
 
 def _list_others(index: Path, pages: str, last: str) -> None:

@@ -30,9 +30,13 @@ def execute(arguments: Namespace) -> int:
     folder = wanted_folder(arguments.out or f"{system.name}-run")
     if arguments.animate:
         from voronec.motion.pictures.scene_film import check_film
+        from voronec.motion.request import CONFIGURATION
 
         check_film(system, Path(arguments.animate))
         wanted_folder(str(Path(arguments.animate).parent))
+        # what the scene records need not tell where the shapes are
+        asked = outputs or (system.scenes[given["scene"]].outputs if given["scene"] else ())
+        outputs = (*asked, CONFIGURATION) if asked else ()
     from voronec.motion import integrate
 
     with progress_line(f"{system.name}: integrating ..."):

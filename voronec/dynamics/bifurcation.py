@@ -248,7 +248,7 @@ def bifurcation_diagram(
     between
         the window, ``{name: (low, high)}``; by default where random points of the usual sizes lie.
     parameters, scene
-        other values of parameters; the scene whose start tells of usual sizes.
+        other values of parameters; the scene whose start gives the usual sizes.
     starts, seed
         how many searches for critical points, and which.
 

@@ -213,7 +213,8 @@ def _claims(system: System, found: Result) -> Iterator[str]:
         yield from _statement(system, finding)
     for name, case in system.cases.items():
         values = ", ".join(f"{k} = {v}" for k, v in case.parameters.items())
-        yield f"*{name}*: {values}. {case.note}".strip()
+        note = case.note[:1].upper() + case.note[1:]
+        yield f"*{name}*: " + " ".join(filter(None, (values and f"{values}.", note)))
 
 
 def _standing_words(finding: Finding) -> str:

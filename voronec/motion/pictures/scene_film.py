@@ -71,7 +71,7 @@ class ShapesInMotion:
         if not np.isfinite(poses).all():
             raise DefinitionError(
                 f"system '{record.system.name}': the places of its shapes need coordinates that "
-                "the trajectory does not hold; integrate without outputs=..."
+                "the trajectory does not hold; integrate with outputs='configuration'"
             )
         return poses.reshape(len(t), len(shapes), POSE)
 
@@ -87,6 +87,16 @@ class ShapesInMotion:
         """How far each shape reaches from its middle; 0 for what has no end."""
         return [
             float(np.linalg.norm(np.concatenate([q for q, _ in parts]), axis=-1).max())
+            if _is_bounded(shape) else 0.0
+            for shape, parts in zip(self.trajectory.system.shapes, self.finite_patches, strict=True)
+        ]  # fmt: skip
+
+    @cached_property
+    def grains(self) -> list[float]:
+        """How far each shape's quadrilaterals reach from their middles, and a fifth more, so that
+        lines along an edge are drawn whole; 0 for what has no end."""
+        return [
+            0.6 * max(float(np.linalg.norm(q[:, 2] - q[:, 0], axis=-1).max()) for q, _ in parts)
             if _is_bounded(shape) else 0.0
             for shape, parts in zip(self.trajectory.system.shapes, self.finite_patches, strict=True)
         ]  # fmt: skip
@@ -189,11 +199,11 @@ class ShapesInMotion:
             )
             depth = seen[..., 2].mean(axis=1)
             depths.append(depth if _is_bounded(shape) else depth - 1e6 * (1 + np.abs(depth).max()))
-            for line, colour in self._traces(i, now):
+            for line, colour, above in self._traces(i, now):
                 flat, near = _ribbon(line @ self.axes.T, half / 160)
                 polygons.append(flat)
                 colours.append(np.tile(_rgba(colour), (len(flat), 1)))
-                depths.append(near + 0.12 * max(self.sizes[self.body], half / 100))
+                depths.append(near + above)
         order = np.argsort(np.concatenate(depths), kind="stable")
         found = [np.concatenate(each)[order] for each in (polygons, colours)]
         panel.clear()
@@ -205,13 +215,17 @@ class ShapesInMotion:
         panel.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
         panel.text(0.02, 0.02, f"$t = {t:.2f}$", transform=panel.transAxes, fontsize=10)
 
-    def _traces(self, i: int, now: int) -> list[tuple[np.ndarray, str]]:
-        """The traces (k, 3) of a contact as they lie at an instant: on the body, and in space."""
+    def _traces(self, i: int, now: int) -> list[tuple[np.ndarray, str, float]]:
+        """The traces (k, 3) of a contact as they lie at an instant: on the body, and in space; and
+        by how much they are nearer than the quadrilaterals on which they lie."""
         if self.trajectory.system.shapes[i].contact is None or not now:
             return []
         past, pose = self.poses[: now + 1, i], self.poses[now, i]
         own = np.einsum("kji,kj->ki", past[:, 3:12].reshape(-1, 3, 3), past[:, 12:] - past[:, :3])
-        return [(own @ pose[3:12].reshape(3, 3).T + pose[:3], INK), (past[:, 12:], MARK)]
+        on_body = own @ pose[3:12].reshape(3, 3).T + pose[:3]
+        grounds = zip(self.trajectory.system.shapes, self.grains, strict=True)
+        under = max((grain for shape, grain in grounds if shape.role == "ground"), default=0.0)
+        return [(on_body, INK, self.grains[i]), (past[:, 12:], MARK, under)]
 
 
 def _is_bounded(shape: Any) -> bool:

@@ -144,7 +144,7 @@ class Page:
         except DefinitionError:
             raise DefinitionError(
                 f"system '{self.system.name}': a page needs {', '.join(names)}, and the trajectory "
-                "holds less; integrate without outputs=..."
+                "holds less; integrate with outputs=(*system.coordinates, *system.velocities)"
             ) from None
         return np.stack(columns, axis=1)
 
