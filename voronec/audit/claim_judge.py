@@ -20,6 +20,7 @@ from voronec.audit.contents import (
     is_slope_of_rate,
     lone_name,
 )
+from voronec.audit.curvature_letters import has_running_indices
 from voronec.audit.display import Check, Display
 from voronec.audit.introductions import INTEGRAL, Introductions
 from voronec.audit.judge import SectionContext, judge_formula
@@ -67,6 +68,14 @@ class ClaimJudge:
             solution = self._solution(claim, unknown[0])
             if solution is not None:
                 return solution
+        if (
+            unknown
+            and chain.relations == ("=",)
+            and has_running_indices(chain.parts[0], self.study)
+        ):
+            return FormulaRecord(
+                printed, "definition", f"it introduces {unknown[0]} for all indices"
+            )
         if unknown:
             return FormulaRecord(printed, "unknown letters", ", ".join(unknown))
         return self._judge_known(claim)

@@ -126,7 +126,8 @@ def excuse(
     parts = [part for part in chain.parts if not names_constant(part)]
     about = _condition_on(parts, study, constant=len(parts) < len(chain.parts))
     if about == "parameters":
-        known = [key_of(n) for n in names_in(tuple(parts)) if key_of(n) in defined_at]
+        names = {key_of(n): None for n in names_in(tuple(parts))}
+        known = [key for key in names if defined_at.get(key, claim) is not claim]
         for key in known[:1]:
             said = f"'{key}' is defined otherwise in {defined_at[key].where}"
             return FormulaRecord(printed, "convention", said)
@@ -161,7 +162,9 @@ def _condition_on(parts: Sequence[Node], study: Study, constant: bool) -> str:
     still = constant or any(not held & states for held in symbols)
     for part, held in zip(parts, symbols, strict=False):
         moving = held & states and not held <= motion.accelerations.keys()
-        velocity_alone = isinstance(part, Dot) and len(held) == 1 and moving
+        vector = isinstance(part, Dot) and isinstance(part.body, Name)
+        vector = vector and not held & motion.accelerations.keys()
+        velocity_alone = isinstance(part, Dot) and (len(held) == 1 or vector) and moving
         if still and (velocity_alone or (isinstance(part, Name) and held & states)):
             return "state"
     return "" if any(moves(part, study) for part in parts) else "coordinates"
