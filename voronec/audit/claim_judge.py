@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from voronec.audit.claims_in_words import CONSTANT_WORD
-from voronec.audit.conditions import excuse, special_cases
+from voronec.audit.conditions import earlier_case, excuse, special_cases
 from voronec.audit.contents import (
     constant_in,
     has_accelerations,
@@ -153,6 +153,10 @@ class ClaimJudge:
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:
             reason = f"false in general, and for {cases[-1].said}, which its sentence names"
+            return FormulaRecord(printed, "not read", reason)
+        earlier = None if spared else earlier_case(claim, chain, self.claims, study)
+        if earlier is not None:
+            reason = f"false in general, and true for what {earlier.said}: is that meant here?"
             return FormulaRecord(printed, "not read", reason)
         return spared or self._refutation(claim, study)
 

@@ -52,6 +52,10 @@ r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
 _SMALL = sp.Symbol("small", positive=True)
 """What vanishes where something is infinite."""
 _COMMANDS = re.compile(r"\\[a-zA-Z]+\*?|[{}$\\]")
+_BRIEF = re.compile(r"\b(?:if|for|when|whenever|unless|at|near)\b", re.IGNORECASE)
+"""Words by which a condition is one of its own sentence, or of a few."""
+_GENERAL = re.compile(r"\b(?:in general|general case|always|arbitrary|whatever)\b", re.IGNORECASE)
+"""Words which say that no condition of earlier sentences is meant."""
 _AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 
 
@@ -96,15 +100,9 @@ def special_cases(
             place = far or sp.Integer(value)
             found.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
-        beside = other.display.sentence == claim.display.sentence and other is not claim
-        chain = other.chain if beside else None
-        if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
-            continue
-        values = value_or_none(values_of, chain.parts, study)
-        still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
-        if still and isinstance(values[0], sp.Symbol):
-            given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
-            found.append((f"${other.formula.printed}$", given))
+        if other.display.sentence == claim.display.sentence and other is not claim:
+            given = _condition(other, study)
+            found += [(f"${other.formula.printed}$", given)] if given else []
     if len(found) > 1:
         together: dict[Any, Any] = {}
         for _, given in found:
@@ -116,6 +114,47 @@ def special_cases(
         for said, given in found
         if not (constant and given.keys() & moving.keys())
     ]
+
+
+def _condition(claim: PrintedClaim, study: Study) -> dict[Any, Any]:
+    """What a formula says that symbols are, which is not so in general; nothing for another."""
+    chain = claim.chain
+    if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
+        return {}
+    values = value_or_none(values_of, chain.parts, study)
+    still = values and not getattr(values[-1], "free_symbols", set()) & {*study.motion.rates}
+    if not still or not isinstance(values[0], sp.Symbol):
+        return {}
+    return {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
+
+
+def earlier_case(
+    claim: PrintedClaim, chain: Chain, claims: Sequence[PrintedClaim], study: Study
+) -> SpecialCase | None:
+    """A condition of an earlier sentence under which a formula is true, which may be meant.
+
+    A condition on parameters lasts to the end of the paper; behind "if" and "for", or one on the
+    state that is assumed, as in "let", to the end of its section.
+    """
+    if _GENERAL.search(claim.sentence):
+        return None
+    together: dict[Any, Any] = {}
+    for other in claims:
+        if other.display.sentence >= claim.display.sentence:
+            continue
+        given = _condition(other, study)
+        words = _COMMANDS.sub(" ", other.display.before)
+        brief = _BRIEF.search(words) is not None
+        state = given.keys() & study.motion.rates.keys()
+        here = not state or (not brief and _ASSUMPTIONS.search(words))
+        if not given or not here or ((state or brief) and other.section != claim.section):
+            continue
+        together |= given
+        for values in (given, together):
+            case = SpecialCase(f"{other.where} supposes", replace(study, given=values))
+            if case.holds(chain):
+                return case
+    return None
 
 
 def excuse(
