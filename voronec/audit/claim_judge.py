@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from voronec.audit.claims_in_words import CONSTANT_WORD
-from voronec.audit.conditions import earlier_case, excuse, special_cases
+from voronec.audit.conditions import EXCEPTIONS, earlier_case, excuse, special_cases
 from voronec.audit.contents import (
     constant_in,
     has_accelerations,
@@ -147,6 +147,9 @@ class ClaimJudge:
         for case in cases:
             if case.holds(chain):
                 method = f"true for {case.said}, which its sentence names"
+                if (denied := EXCEPTIONS.search(claim.sentence)) is not None:
+                    method = f"{method}; it has '{denied[0]}', too, which is not read"
+                    return FormulaRecord(printed, "not read", method)
                 return FormulaRecord(printed, "proved", method, source=study.origin)
         if self.introductions.constants & {name_latex(name) for name in names_in(chain)}:
             return FormulaRecord(printed, "not read", "its constant may be another one here")

@@ -52,6 +52,12 @@ r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
 _SMALL = sp.Symbol("small", positive=True)
 """What vanishes where something is infinite."""
 _COMMANDS = re.compile(r"\\[a-zA-Z]+\*?|[{}$\\]")
+EXCEPTIONS = re.compile(
+    r"\b(?:unless|except\w*|unlike|contrary|contrast|opposed|otherwise|else|not|never|no longer|but"
+    r"|without(?! (?:slip|skid|los|fric)))\b",
+    re.IGNORECASE,
+)
+"""Words by which a sentence may name the case that it excludes."""
 _BRIEF = re.compile(r"\b(?:if|for|when|whenever|unless|at|near)\b", re.IGNORECASE)
 """Words by which a condition is one of its own sentence, or of a few."""
 _GENERAL = re.compile(r"\b(?:in general|general case|always|arbitrary|whatever)\b", re.IGNORECASE)
