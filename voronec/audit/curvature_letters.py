@@ -21,7 +21,7 @@ from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.study import Study, key_of
 from voronec.audit.verify import verify
 
-_RUNNING = frozenset(("i", "j", "k", "l", "r", "s", "\\alpha", "\\beta", "\\mu", "\\nu"))
+_INDEX_LETTERS = frozenset(("i", "j", "k", "l", "r", "s", "\\alpha", "\\beta", "\\mu", "\\nu"))
 """Letters that stand for all values of an index."""
 _SUBJECT = re.compile(r"curvature|voronec|ehresmann", re.IGNORECASE)
 
@@ -58,7 +58,8 @@ def has_running_indices(part: Node, study: Study) -> bool:
     indices = component_indices(part) if isinstance(part, Name) else ()
     below = indices[1:]
     return bool(indices) and all(
-        isinstance(i, Name) and i.head in _RUNNING and key_of(i) not in study.table for i in below
+        isinstance(i, Name) and i.head in _INDEX_LETTERS and key_of(i) not in study.table
+        for i in below
     )
 
 
