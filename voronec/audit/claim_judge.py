@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from voronec.audit.claims_in_words import CONSTANT_WORD
-from voronec.audit.conditions import excuse, special_cases
+from voronec.audit.conditions import EXCEPTIONS, earlier_case, excuse, special_cases
 from voronec.audit.contents import (
     constant_in,
     has_accelerations,
     is_slope_of_rate,
     lone_name,
 )
+from voronec.audit.curvature_letters import has_running_indices
 from voronec.audit.display import Check, Display
 from voronec.audit.introductions import INTEGRAL, Introductions
 from voronec.audit.judge import SectionContext, judge_formula
@@ -67,6 +68,14 @@ class ClaimJudge:
             solution = self._solution(claim, unknown[0])
             if solution is not None:
                 return solution
+        if (
+            unknown
+            and chain.relations == ("=",)
+            and has_running_indices(chain.parts[0], self.study)
+        ):
+            return FormulaRecord(
+                printed, "definition", f"it introduces {unknown[0]} for all indices"
+            )
         if unknown:
             return FormulaRecord(printed, "unknown letters", ", ".join(unknown))
         return self._judge_known(claim)
@@ -138,12 +147,19 @@ class ClaimJudge:
         for case in cases:
             if case.holds(chain):
                 method = f"true for {case.said}, which its sentence names"
+                if (denied := EXCEPTIONS.search(claim.sentence)) is not None:
+                    method = f"{method}; it has '{denied[0]}', too, which is not read"
+                    return FormulaRecord(printed, "not read", method)
                 return FormulaRecord(printed, "proved", method, source=study.origin)
         if self.introductions.constants & {name_latex(name) for name in names_in(chain)}:
             return FormulaRecord(printed, "not read", "its constant may be another one here")
         spared = excuse(claim, chain, study, self.introductions.defined_at)
         if spared is None and cases:
             reason = f"false in general, and for {cases[-1].said}, which its sentence names"
+            return FormulaRecord(printed, "not read", reason)
+        earlier = None if spared else earlier_case(claim, chain, self.claims, study)
+        if earlier is not None:
+            reason = f"false in general, and true for what {earlier.said}: is that meant here?"
             return FormulaRecord(printed, "not read", reason)
         return spared or self._refutation(claim, study)
 

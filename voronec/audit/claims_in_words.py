@@ -38,8 +38,9 @@ _EQUAL = re.compile(
 )
 _FREEDOM = re.compile(r"\bhas (?P<count>\w+) degrees? of freedom\b")
 _BOUND = re.compile(
-    r"\b(?:(?P<each>both|all|neither|none)(?: of)?(?: the)? )?constraint(?P<plural>s)?"
-    r"(?: \([^()\s]+\))? (?:is|are) (?P<no>not )?"
+    r"\b(?:(?P<each>both|all|neither|none)(?: of)?(?: the)? )?(?:constraint(?P<plural>s)?"
+    r"|(?<=the )(?P<system>system)(?= is (?:not )?(?:non-?)?holonomic))(?: \([^()\s]+\))?"
+    r" (?:is|are) (?P<no>not )?"
     r"(?P<kind>non-?holonomic|holonomic|(?:non-?)?integrable)\b",
     re.IGNORECASE,
 )
@@ -96,10 +97,11 @@ def claims_in_words(
     if (match := _BOUND.search(words)) is not None:
         denied = bool(match["no"]) != ((match["each"] or "")[:1].lower() == "n")
         positive = denied == match["kind"].lower().startswith("non")
-        several = bool(match["plural"])
+        several = bool(match["plural"] or match["system"])
         if match["each"]:
             return [WordClaim(False, decide=lambda equations: _each(equations, positive))]
-        return [WordClaim(True, decide=lambda equations: _integrable(equations, positive, several))]
+        mine = match["system"] is None  # else it may be that of another paper
+        return [WordClaim(mine, decide=lambda equations: _integrable(equations, positive, several))]
     if _NEGATION.search(words):
         return []
     if _WHOLE_SYSTEM.search(words) is not None:

@@ -52,6 +52,16 @@ r"""A limit, as ``$k\to 0$`` and ``$m\to\infty$``."""
 _SMALL = sp.Symbol("small", positive=True)
 """What vanishes where something is infinite."""
 _COMMANDS = re.compile(r"\\[a-zA-Z]+\*?|[{}$\\]")
+EXCEPTIONS = re.compile(
+    r"\b(?:unless|except\w*|unlike|contrary|contrast|opposed|otherwise|else|not|never|no longer|but"
+    r"|without(?! (?:slip|skid|los|fric)))\b",
+    re.IGNORECASE,
+)
+"""Words by which a sentence may name the case that it excludes."""
+_BRIEF = re.compile(r"\b(?:if|for|when|whenever|unless|at|near)\b", re.IGNORECASE)
+"""Words by which a condition is one of its own sentence, or of a few."""
+_GENERAL = re.compile(r"\b(?:in general|general case|always|arbitrary|whatever)\b", re.IGNORECASE)
+"""Words which say that no condition of earlier sentences is meant."""
 _AT_REST = re.compile(r"\bat rest\b", re.IGNORECASE)
 
 
@@ -96,15 +106,9 @@ def special_cases(
             place = far or sp.Integer(value)
             found.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
-        beside = other.display.sentence == claim.display.sentence and other is not claim
-        chain = other.chain if beside else None
-        if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
-            continue
-        values = value_or_none(values_of, chain.parts, study)
-        still = values and not getattr(values[-1], "free_symbols", set()) & {*moving}
-        if still and isinstance(values[0], sp.Symbol):
-            given = {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
-            found.append((f"${other.formula.printed}$", given))
+        if other.display.sentence == claim.display.sentence and other is not claim:
+            given = _condition(other, study)
+            found += [(f"${other.formula.printed}$", given)] if given else []
     if len(found) > 1:
         together: dict[Any, Any] = {}
         for _, given in found:
@@ -118,6 +122,47 @@ def special_cases(
     ]
 
 
+def _condition(claim: PrintedClaim, study: Study) -> dict[Any, Any]:
+    """What a formula says that symbols are, which is not so in general; nothing for another."""
+    chain = claim.chain
+    if chain is None or {*chain.relations} != {"="} or SpecialCase("", study).holds(chain):
+        return {}
+    values = value_or_none(values_of, chain.parts, study)
+    still = values and not getattr(values[-1], "free_symbols", set()) & {*study.motion.rates}
+    if not still or not isinstance(values[0], sp.Symbol):
+        return {}
+    return {x: values[-1] for x in values[:-1] if isinstance(x, sp.Symbol)}
+
+
+def earlier_case(
+    claim: PrintedClaim, chain: Chain, claims: Sequence[PrintedClaim], study: Study
+) -> SpecialCase | None:
+    """A condition of an earlier sentence under which a formula is true, which may be meant.
+
+    A condition on parameters lasts to the end of the paper; behind "if" and "for", or one on the
+    state that is assumed, as in "let", to the end of its section.
+    """
+    if _GENERAL.search(claim.sentence):
+        return None
+    together: dict[Any, Any] = {}
+    for other in claims:
+        if other.display.sentence >= claim.display.sentence:
+            continue
+        given = _condition(other, study)
+        words = _COMMANDS.sub(" ", other.display.before)
+        brief = _BRIEF.search(words) is not None
+        state = given.keys() & study.motion.rates.keys()
+        here = not state or (not brief and _ASSUMPTIONS.search(words))
+        if not given or not here or ((state or brief) and other.section != claim.section):
+            continue
+        together |= given
+        for values in (given, together):
+            case = SpecialCase(f"{other.where} supposes", replace(study, given=values))
+            if case.holds(chain):
+                return case
+    return None
+
+
 def excuse(
     claim: PrintedClaim, chain: Chain, study: Study, defined_at: Mapping[str, PrintedClaim]
 ) -> FormulaRecord | None:
@@ -126,7 +171,8 @@ def excuse(
     parts = [part for part in chain.parts if not names_constant(part)]
     about = _condition_on(parts, study, constant=len(parts) < len(chain.parts))
     if about == "parameters":
-        known = [key_of(n) for n in names_in(tuple(parts)) if key_of(n) in defined_at]
+        names = {key_of(n): None for n in names_in(tuple(parts))}
+        known = [key for key in names if defined_at.get(key, claim) is not claim]
         for key in known[:1]:
             said = f"'{key}' is defined otherwise in {defined_at[key].where}"
             return FormulaRecord(printed, "convention", said)
@@ -161,7 +207,9 @@ def _condition_on(parts: Sequence[Node], study: Study, constant: bool) -> str:
     still = constant or any(not held & states for held in symbols)
     for part, held in zip(parts, symbols, strict=False):
         moving = held & states and not held <= motion.accelerations.keys()
-        velocity_alone = isinstance(part, Dot) and len(held) == 1 and moving
+        vector = isinstance(part, Dot) and isinstance(part.body, Name)
+        vector = vector and not held & motion.accelerations.keys()
+        velocity_alone = isinstance(part, Dot) and (len(held) == 1 or vector) and moving
         if still and (velocity_alone or (isinstance(part, Name) and held & states)):
             return "state"
     return "" if any(moves(part, study) for part in parts) else "coordinates"

@@ -14,13 +14,15 @@ from typing import Any
 
 from voronec.audit.contents import value_or_none
 from voronec.audit.display import Check
-from voronec.audit.latex.nodes import Name, Number
+from voronec.audit.latex.nodes import Name, Node, Number
 from voronec.audit.letters import name_latex, names_in
 from voronec.audit.meaning import evaluate
 from voronec.audit.printed_claims import PrintedClaim
 from voronec.audit.study import Study, key_of
 from voronec.audit.verify import verify
 
+_INDEX_LETTERS = frozenset(("i", "j", "k", "l", "r", "s", "\\alpha", "\\beta", "\\mu", "\\nu"))
+"""Letters that stand for all values of an index."""
 _SUBJECT = re.compile(r"curvature|voronec|ehresmann", re.IGNORECASE)
 
 
@@ -49,6 +51,16 @@ def component_indices(name: Name) -> Sequence[Any]:
     if len(below) == 1 and isinstance(below[0], Number) and len(below[0].text) == 2:
         below = tuple(map(Number, below[0].text))
     return (*name.sup, *below) if len(name.sup) == 1 and len(below) == 2 else ()
+
+
+def has_running_indices(part: Node, study: Study) -> bool:
+    r"""Whether a part is a component whose letters run over all indices, ``A_{ij}^{(\nu)}``."""
+    indices = component_indices(part) if isinstance(part, Name) else ()
+    below = indices[1:]
+    return bool(indices) and all(
+        isinstance(i, Name) and i.head in _INDEX_LETTERS and key_of(i) not in study.table
+        for i in below
+    )
 
 
 def _component(name: Name, study: Study) -> Any:

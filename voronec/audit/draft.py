@@ -14,8 +14,10 @@ import sympy as sp
 from voronec.algebra.symbols import velocity
 from voronec.audit.latex.document import Document
 from voronec.audit.latex.nodes import Dot, Name, walk
+from voronec.audit.latex.tokens import FUNCTIONS
+from voronec.audit.letters import names_in
 from voronec.audit.meaning import SENSELESS, evaluate
-from voronec.audit.printed_claims import PrintedClaim, claims_of
+from voronec.audit.printed_claims import PrintedClaim, claims_of, has_primes
 from voronec.audit.study import Motion, Study, key_of
 from voronec.errors import DefinitionError
 
@@ -30,7 +32,8 @@ def draft_system(document: Document, name: str) -> str:
 
     Raises ``DefinitionError`` where the paper has neither a Lagrangian nor a kinetic energy.
     """
-    return _Draft(document, claims_of(document, Study({}))).text(name)
+    study = Study({}, primes=has_primes(document))
+    return _Draft(document, claims_of(document, study)).text(name)
 
 
 @dataclass(frozen=True)
@@ -44,9 +47,10 @@ class _Draft:
         names: dict[str, Any] = {}
         moving: dict[Any, Any] = {}
         for claim in self.claims:
+            for name in names_in(claim.chain) if claim.chain else ():
+                if not name.sup and name.head not in {*_NO_LETTERS, *FUNCTIONS}:
+                    names.setdefault(key_of(name), sp.Symbol(_plain(key_of(name))))
             for node in walk(claim.chain) if claim.chain else ():
-                if isinstance(node, Name) and not node.sup and node.head not in _NO_LETTERS:
-                    names.setdefault(key_of(node), sp.Symbol(_plain(key_of(node))))
                 if isinstance(node, Dot) and isinstance(node.body, Name):
                     symbol = sp.Symbol(_plain(key_of(node.body)))
                     moving[velocity(symbol)] = velocity(symbol)
@@ -146,4 +150,6 @@ def _fibre(constraints: list[tuple[Any, Any]], coordinates: list[Any]) -> tuple[
 
 def _plain(key: str) -> str:
     """A letter as a system file spells it."""
-    return re.sub(r"[^A-Za-z0-9_]", "", key.replace("\\var", "").replace(",", "_"))
+    return re.sub(
+        r"[^A-Za-z0-9_]", "", key.replace("\\var", "").replace(",", "_").replace("'", "_prime")
+    )

@@ -15,7 +15,7 @@ from voronec.audit.introductions import Introductions
 from voronec.audit.latex.document import Document, read_document
 from voronec.audit.letters import names_in, read_letters, study_of, unknown_names, with_words
 from voronec.audit.page.referee import referee_lines
-from voronec.audit.printed_claims import PrintedClaim, applied_letters, claims_of
+from voronec.audit.printed_claims import PrintedClaim, applied_letters, claims_of, has_primes
 from voronec.audit.record import Audit, FormulaRecord, Record
 from voronec.audit.sentence_records import SentenceJudge
 from voronec.audit.study import Study, key_of
@@ -87,7 +87,8 @@ def audit_paper(
     given = {letter: as_expression(value) for letter, value in (dictionary or {}).items()}
     study = study_of(equations, document.source.body.text)
     study = replace(study, names=_names_with(study, given))
-    study = replace(study, functions=frozenset(applied_letters(document, study)))
+    applied = frozenset(applied_letters(document, study))
+    study = replace(study, functions=applied, primes=has_primes(document))
     claims = claims_of(document, study)
     _refuse_strangers(claims, study, given)
     study = with_curvature(with_words(study, claims), claims, document.body.text)

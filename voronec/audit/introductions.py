@@ -93,7 +93,8 @@ class Introductions:
         judged = second and (INTEGRAL.search(claim.sentence) or not isinstance(lone[0], Name))
         if (state or judged) and not constant:
             return False
-        self._tell(number, "" if constant else unknown[0])
+        if len(known) == 1:  # else the other sides are judged
+            self._tell(number, "" if constant else unknown[0])
         self.study = self.study.join({key_of(name): value})
         self.defined_at[key_of(name)] = claim
         return True
@@ -137,16 +138,22 @@ class Introductions:
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
                     found.add(letter)
-        return frozenset(found - {*self._parametric()})
+        applied = {n for n in found if n.partition("_")[0] in self.study.functions}
+        return frozenset(found - applied - {*self._parametric()})
 
     def _parametric(self) -> Iterator[str]:
-        """Letters that the paper says are functions of parameters."""
+        """Letters that the paper says are functions of parameters, or matrices of the state."""
         moving = {*self.study.motion.rates, *self.study.motion.rates.values()}
         for claim in self.claims:
             parts = claim.chain.parts if claim.chain is not None else ()
             values = [value_or_none(value_of, part, self.study, {}) for part in parts]
             held: list[set[Any]] = [getattr(value, "free_symbols", set()) for value in values]
-            if any(symbols and not symbols & moving for symbols in held):
+            matrices = any(
+                isinstance(value, sp.MatrixBase)
+                and not symbols & self.study.motion.accelerations.keys()
+                for value, symbols in zip(values, held, strict=True)
+            )
+            if matrices or any(symbols and not symbols & moving for symbols in held):
                 yield from (name_latex(part) for part in parts if isinstance(part, Name))
 
     def _is_constant(self, part: Node) -> bool:

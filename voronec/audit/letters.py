@@ -52,7 +52,7 @@ _PARTIAL = re.compile(
     re.IGNORECASE,
 )
 """Words behind which an energy is that of a part of the system."""
-_SHAPE = re.compile(r"\\(?:mathcal|mathrm|mathbf|boldsymbol)\{(.*)\}")
+_SHAPE = re.compile(r"\\(?:(?:mathcal|mathrm|mathbf|boldsymbol)\{|el(?=l))(.*?)\}?")
 """Shapes in which a letter of the system may be printed."""
 
 
@@ -131,6 +131,8 @@ def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
     derived, table = _letters_of_mechanics(study.context, study), dict(study.table)
     found: dict[str, Any] = {}
     seen: set[int] = set()
+    claims = list(claims)
+    plain_l = any(n.head == "l" for claim in claims for n in names_in(claim.chain or ()))
     for claim in claims:
         words = claim.sentence.lower()
         for name in names_in(claim.chain or ()):
@@ -138,7 +140,7 @@ def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
             shape = _SHAPE.fullmatch(name.head)
             plain = key.replace(name.head, shape[1], 1) if shape else key
             letter = plain.partition("_")[0]
-            if key in table or key == "const":
+            if key in table or key == "const" or (plain_l and name.head == "\\ell"):
                 continue
             if plain in table:
                 found[name_latex(name)] = table[key] = table[plain]

@@ -62,7 +62,8 @@ def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
 
 
 _DEFINES = re.compile(
-    r"(?:\bdenote by \$(\d+)\$|\blet \$(\d+)\$ (?:be|denote)|\$(\d+)\$ (?:denotes|stands for)) "
+    r"(?:\bdenote by \$(\d+)\$|\blet \$(\d+)\$ (?:be|denote)|\$(\d+)\$ (?:denotes|stands for)"
+    r"|\bwhere \$(\d+)\$ is(?= the (?:ratio|quantity|sum|difference|product|expression) \$)) "
     r"(?:the )?(?:(?:ratio|quantity|sum|difference|product|constant|expression) )?\$(\d+)\$",
     re.IGNORECASE,
 )
@@ -126,3 +127,19 @@ def _tree(formula: Formula, study: Study) -> tuple[Chain | None, str, str]:
         return formula.tree(replace(study.vocabulary, narrow_functions=True)), "", doubt
     except DefinitionError:
         return None, doubt, ""
+
+
+_BY_TIME = (
+    r"(?:time\s+derivatives?|(?:derivatives?|differentiation)\s+(?:with\s+respect\s+to|by|in)\s+"
+    r"(?:the\s+)?(?:time\b(?!,?\s*\$(?!t\$))|\$t\$))"
+)
+_PRIMES = re.compile(
+    rf"\bprimes?\s(?:\w+\s+){{0,4}}?{_BY_TIME}|\b{_BY_TIME}\s(?:\w+\s+){{0,4}}?primes?\b",
+    re.IGNORECASE,
+)
+"""Words which say that a prime is a derivative by the time."""
+
+
+def has_primes(document: Document) -> bool:
+    """Whether a paper says that a prime is a derivative by the time."""
+    return _PRIMES.search(document.body.text) is not None

@@ -186,6 +186,8 @@ class Study:
         heads of names whose superscript may be a Roman numeral, as in ``x^{II}``.
     functions
         heads of names that a parenthesis applies.
+    primes
+        whether a prime is a derivative by the time, and no part of a name.
     narrow_functions
         whether the paper writes ``\sin u v`` for (sin u) v throughout; else that is undecided.
     defined
@@ -226,6 +228,7 @@ class Study:
     labelled: frozenset[str] = frozenset()
     numbered: frozenset[str] = frozenset()
     functions: frozenset[str] = frozenset()
+    primes: bool = False
     narrow_functions: bool = False
     defined: Mapping[str, Node] = field(default_factory=dict)
     given: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
@@ -294,6 +297,7 @@ class Study:
             self.functions | plain,
             self.labelled,
             self.numbered,
+            primes=self.primes,
             narrow_functions=self.narrow_functions,
             variations="\\delta" not in heads.values(),
             differentials="d" not in heads.values(),

@@ -437,6 +437,11 @@ def _scripts(reader: Reader, node: Node, start: int) -> Node:
         elif "'" in (reader.peek(), reader.peek(1)) and _inside(reader).strip("'") == "":
             primes += len(_inside(reader))
             reader.position += len(_inside(reader)) + 2 * (reader.peek() == "{")
+        elif "\\cdot" in (reader.peek(), reader.peek(reader.peek() == "{")):
+            if _inside(reader) != "\\cdot" or not isinstance(node, (Name, Dot)):
+                reader.fail("a star above must stand alone, behind a name")
+            reader.position += 1 + 2 * (reader.peek() == "{")
+            sup = (Name("*", at=reader.since(start)),)
         elif _is_numeral(reader, node) and exponent is None:
             sup, exponent = _numeral(reader)
         elif _labels(reader, node):
