@@ -123,6 +123,15 @@ def test_a_run_passes_where_its_split_is_singular(name: str) -> None:
             assert run.cost.switches == 0  # one formulation leads all the way
 
 
+def test_a_start_close_to_where_a_split_is_singular_may_be_fast() -> None:
+    """Its velocities determine the motion, though they ask for one of 20 000 in y."""
+    start = {"phi": np.pi / 2 + 1e-5, "psi": 1.6, "xdot": 0.225, "phidot": 0.5}
+    times = np.linspace(0.0, 0.5, 6)
+    truth = multiplier_motion(trailer(), all_velocities(trailer(), start), times)
+    run = vo.integrate(trailer(), times=times, initial=start)
+    assert worst(run, truth) < 1e-10 * np.abs(truth).max()
+
+
 @pytest.mark.parametrize("name", KNOWN)
 def test_rolling_without_twist_passes_the_equator(name: str) -> None:
     equations, start = vo.derive(vo.load(name)), KNOWN[name]

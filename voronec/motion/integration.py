@@ -126,7 +126,7 @@ class MotionRequest:
             raise self._no_velocities() from error
         fastest = (np.abs(x.state).max(initial=1.0) for x in (outset, self.outset))
         if next(fastest) > FAST * next(fastest):
-            raise self._no_velocities()  # a slip, which is refused with its velocities
+            self._require_velocities()  # a slip is refused with these
         there = replace(
             self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
             outputs=(*self.outputs, *formulation.home_names), start_data=given,
@@ -143,13 +143,18 @@ class MotionRequest:
         except NearSingularDenominator:
             raise self._no_velocities() from None
 
+    def _require_velocities(self) -> None:
+        """Refuse a start whose velocities do not tell the others."""
+        home = self.namespace
+        ground = self.outset.ground(home.equations, float(self.grid[0]))
+        framed = self.outset.state if self.outset.framed else None
+        WideStart.of(home, ground, self.start_data, self.project, framed)
+
     def _no_velocities(self) -> VoronecError:
         """The error where no velocities tell how a motion starts."""
-        home, time = self.namespace, float(self.grid[0])
-        ground, system = self.outset.ground(home.equations, time), home.equations.system
-        framed = self.outset.state if self.outset.framed else None
+        time, system = float(self.grid[0]), self.namespace.equations.system
         try:
-            WideStart.of(home, ground, self.start_data, self.project, framed)
+            self._require_velocities()
         except VoronecError as error:
             return error
         place = zip(map(plain_name, system.coordinates), self.outset.state, strict=False)
