@@ -45,6 +45,7 @@ from voronec.motion.constraint_geometry import implied_rows
 from voronec.motion.motion_start import InitialState, WideStart
 from voronec.motion.reactions import drift
 from voronec.motion.request import Namespace, StartData
+from voronec.motion.state_probe import INDEFINITE
 from voronec.motion.trajectory import Trajectory
 
 DEPENDENT = "the constraints become dependent"
@@ -130,6 +131,8 @@ class AmbientFormulation:
             outputs=outputs,
             events=MappingProxyType(events),
             within=None if within is None else lambda t: self.to_home(within(t), outputs),
+            # the sums of idle reactions have negative inertia
+            notes=tuple(note for note in found.notes if note != INDEFINITE),
         )
 
     def failure(self, error: IntegrationError, outputs: tuple[str, ...]) -> IntegrationError:
@@ -141,7 +144,7 @@ class AmbientFormulation:
             f"system '{self.home.system.name}': {reason} after t = {float(error.time):.12g}; end "
             "the run before that, or use another chart",
             error.time,
-            found.state[-1],
+            None,
             replace(found, halted=reason),
         )
 

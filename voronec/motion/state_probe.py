@@ -137,7 +137,7 @@ class StateProbe:
         rates = np.abs(np.array(slope, dtype=float))
         if not np.isfinite(rates).all() or self._is_infinite(start, rates):
             raise self._nowhere("the equations are not defined", start)
-        massive = np.count_nonzero(np.diag(mass) > 0)  # rows of multipliers hold none
+        massive = np.count_nonzero(np.diag(mass))  # rows of multipliers hold none
         sound = not len(sizes) or (sizes > 0).sum() >= massive
         return () if sound else (INDEFINITE,)
 
