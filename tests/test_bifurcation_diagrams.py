@@ -178,3 +178,47 @@ def test_the_command_refuses_a_map_of_one_integral(capsys):
     assert "take a parameter for the other axis" in capsys.readouterr().err
     assert main(["bifurcation", "veselova", "--between", "energy=3"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_angles_are_counted_once_around(sign):
+    """A pendulum beside an oscillator swings, on one torus, or turns, on two."""
+    q = sp.Symbol("q")
+    swing = vo.velocity(q) ** 2 / 2 - sign * sp.cos(q)
+    pendulum = double_well(
+        name="pendulum",
+        fibration=vo.Fibration(base=(q, y)),
+        lagrangian=vo.velocity(q) ** 2 - swing + vy**2 - ALONG_Y,
+        integrals={"swing": swing, "along y": ALONG_Y},
+        measure=vo.Measure(sp.Integer(1), (q, y, vo.velocity(q), vy)),
+        scenes={"default": vo.Scene(initial={q: 0.5, y: 0.4}, times=(0.0, 5.0))},
+    )
+    found = vo.bifurcation_diagram(pendulum, between={"swing": (-1.5, 3), "along y": (-0.3, 1)})
+    assert found.kind(0, 0.3) == "1 torus" and found.kind(2, 0.3) == "2 tori"
+    assert found.kind(-1.2, 0.3) == "no motions"
+
+
+def test_poles_of_coordinates_are_no_critical_points_and_leave_tori_untold():
+    """A spherical pendulum: critical motions are circles, with 2 E = 3 cos - 1/cos."""
+    theta, phi = sp.symbols("theta phi")
+    turn = vo.velocity(phi)
+    kinetic = (vo.velocity(theta) ** 2 + sp.sin(theta) ** 2 * turn**2) / 2
+    integrals = {"energy": kinetic + sp.cos(theta), "spin": sp.sin(theta) ** 2 * turn}
+    start = {theta: 1.5, vo.velocity(theta): 0.3, turn: 0.4}
+    pendulum = vo.System(
+        "spherical-pendulum",
+        vo.Fibration(base=(theta, phi)),
+        kinetic - sp.cos(theta),
+        integrals=integrals,
+        scenes={"default": vo.Scene(initial=start, times=(0.0, 5.0))},
+    )
+    window = {"energy": (-1.5, 2), "spin": (-1.5, 1.5)}
+    found = vo.bifurcation_diagram(pendulum, between=window)
+    assert not found.without_formula and not found.is_integrable and "poles" in found.lines()[-1]
+    circles = [c for c in found.curves if len(c) > 1]
+    assert circles
+    for curve in circles:
+        cosine = np.cos(curve.points[:, 0])
+        energy, spin = curve.values.T
+        np.testing.assert_allclose(spin**2 * cosine, -((1 - cosine**2) ** 2), atol=1e-8)
+        np.testing.assert_allclose(2 * energy * cosine, 3 * cosine**2 - 1, atol=1e-8)

@@ -202,7 +202,9 @@ class BifurcationDiagram:
             words = self._words(region.components)
             found.append(f"region about ({x:.5g}, {y:.5g}): {words}, computed")
         if not self.is_integrable:
-            found.append("not shown to be integrable: critical values only")
+            poles = "its coordinates have poles, declare invariants to have tori counted"
+            why = poles if self.map.has_poles else "not shown to be integrable"
+            found.append(f"{why}: critical values only")
         for (x, y), motion in zip(self.steady_values, self.steady, strict=True):
             found.append(f"{motion.kind} at ({x:.5g}, {y:.5g}): {motion.verdict}")
         return found
@@ -346,8 +348,10 @@ def _window(
 
 
 def _is_integrable(system: System, points: CriticalPoints) -> bool:
-    """Whether regular levels are curves, or surfaces with a proved measure of the motion."""
-    if any(n in system.parameter_names for n in points.map.constants):
+    """Whether regular levels are curves, or surfaces with a proved measure of the motion, in
+    variables that cover them once."""
+    own = points.map
+    if own.has_poles or any(n in system.parameter_names for n in own.constants):
         return False
     if points.dimension == 2:
         return any(c.kind == "measure" and c.verdict.proved for c in check_claims(system))

@@ -165,13 +165,18 @@ class CriticalPoints:
         x = own.project(x, self.rows[:held], self.targets[own.relations :])
         values = (own.jet(x, 0)[0][:, [*self.rows[-2:]]] - self.window[:, 0]) / self.scales[-2:]
         outside = np.maximum(-values, values - 1).max(axis=1, initial=0.0)
-        x = x[np.argsort(outside, kind="stable")][:count]
-        for point in x:
+        tried = 0
+        for point in x[np.argsort(outside, kind="stable")]:
+            if tried == count:
+                return
             weights = random.normal(size=len(self.rows))
             slope = own.jet(point[None])[1][0, [*self.rows]] * own.units / self.scales[:, None]
             weights = np.linalg.svd(slope.T)[2][-1] + 0.1 * weights
             y = np.concatenate([point / own.units, weights / np.linalg.norm(weights)])
             found = solve(self.conditions, y, np.ones(len(y)))
+            if found is not None and own.is_pole(found[: len(point)] * own.units):
+                continue
+            tried += 1
             if found is not None and np.hypot(*found[-2:]) > SMALL:
                 yield found
 

@@ -76,14 +76,15 @@ def level_components(
     # once more, with the sizes that the variables have on the level
     sizes = np.sqrt((x**2).mean(axis=0))
     units = np.maximum(sizes, 1e-3 * own.units)
-    random = np.random.default_rng(seed).normal(size=(count, len(units)))
-    x = np.vstack([x, own.project(random * units, points.rows, targets)])
-    near = cKDTree(x / units).query(x / units, min(3, len(x)))[1]
+    units[own.angles] = 1.0
+    x = np.vstack([x, own.project(own.random_points(count, seed, units), points.rows, targets)])
+    there = own.spread(x, units)
+    near = cKDTree(there).query(there, min(3, len(x)))[1]
     tried = np.unique([sorted((i, j)) for i, row in enumerate(near) for j in row[1:]], axis=0)
     joined = tried[_are_joined(points, x[tried[:, 0]], x[tried[:, 1]], targets, units)]
     while True:
         labels = _labels(len(x), joined)
-        tried = _between_components(x / units, labels)
+        tried = _between_components(there, labels)
         fresh = tried[_are_joined(points, x[tried[:, 0]], x[tried[:, 1]], targets, units)]
         if not len(fresh):
             break
@@ -124,10 +125,10 @@ def _are_joined(
     """Which points of a level (p, n) are reached from which on it, by short steps along it towards
     them, in units of the level."""
     own, here = points.map, a.copy()
-    length = np.linalg.norm((b - a) / units, axis=1) / WALK
+    length = np.linalg.norm(own.difference(a, b) / units, axis=1) / WALK
     joined, todo = np.zeros(len(a), dtype=bool), np.arange(len(a))
     for _ in range(4 * WALK):
-        way = (b[todo] - here[todo]) / units
+        way = own.difference(here[todo], b[todo]) / units
         near = np.linalg.norm(way, axis=1) < 1.1 * length[todo]
         joined[todo[near]] = True
         todo, way = todo[~near], way[~near]

@@ -15,8 +15,8 @@ Chaplygin1897]; here they are computed, by steps along Y.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -27,6 +27,7 @@ import sympy as sp
 from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.claims import right_of
+from voronec.dynamics.angles import are_angles
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
@@ -117,16 +118,77 @@ class IntegralMap:
     def rank(self, rows: Sequence[int]) -> int:
         """How many of the constants are independent at random points."""
         x = self.project(self.random_points(8), range(self.relations), ())
-        slopes = self.jet(x)[1][:, [*rows]] * self.units
+        values, slopes = (part[:, [*rows]] for part in self.jet(x))
+        told = np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        slopes = slopes[told] * self.units
         sizes = np.linalg.norm(slopes, axis=2, keepdims=True)
         slopes = np.divide(slopes, sizes, out=np.zeros_like(slopes), where=sizes > 0)
-        return max(
+        # errors of integrals that are computed, large at some points, make ranks larger
+        return min(
             (int((np.linalg.svd(s, compute_uv=False) > GENERIC).sum()) for s in slopes), default=0
         )
 
-    def random_points(self, count: int, seed: int = 1) -> np.ndarray:
-        """Points (count, n) of the usual sizes, which lie on no level."""
-        return np.random.default_rng(seed).normal(size=(count, len(self.units))) * self.units
+    @cached_property
+    def angles(self) -> np.ndarray:
+        """Which variables (n,) are angles: a whole turn of them changes no constant."""
+        points = np.random.default_rng(1).normal(size=(8, len(self.units))) * self.units
+        return are_angles(lambda x: self.jet(x, 0)[0], points, len(self.units))
+
+    @cached_property
+    def has_poles(self) -> bool:
+        """Whether variables have poles, as polar angles do; where they have, levels may be covered
+        more than once."""
+        from scipy.optimize import minimize
+
+        if self._volume is None:
+            return False
+        points = self.random_points(60)
+        points = points[np.argsort([self._volume(x) for x in points])][:3]
+        return any(self.is_pole(minimize(self._volume, x).x) for x in points)
+
+    def is_pole(self, x: np.ndarray) -> bool:
+        """Whether coordinates are singular at x (n,), where the mass matrix has no inverse:
+        constants are critical there that are not."""
+        return self._volume is not None and self._volume(x) < GENERIC
+
+    @cached_property
+    def _volume(self) -> Callable[[np.ndarray], float] | None:
+        """The determinant of the mass matrix by its usual size, where coordinates are variables and
+        it depends on them."""
+        known = {se.Symbol(n): float(v[0]) for n, v in self.phase.motions.parameters.items()}
+        entries = [e.xreplace(known) for row in self.flow.mass for e in row]
+        own, size = [*map(se.Symbol, self.variables)], len(self.flow.mass)
+        held = {s for e in entries for s in e.free_symbols}
+        if self.flow.level != "coordinates" or not held or not held <= {*own}:
+            return None
+        mass = se.Lambdify(own, entries)
+
+        def volume(x: np.ndarray) -> float:
+            return abs(float(np.linalg.det(np.reshape(mass(x), (size, size)))))
+
+        usual = float(np.median([volume(x) for x in self.random_points(60)]))
+        return lambda x: volume(x) / usual
+
+    def random_points(
+        self, count: int, seed: int = 1, sizes: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Points (count, n) of the usual sizes, which lie on no level; angles anywhere."""
+        random, units = np.random.default_rng(seed), self.units if sizes is None else sizes
+        x = random.normal(size=(count, len(units))) * units
+        x[:, self.angles] = random.uniform(-np.pi, np.pi, size=(count, int(self.angles.sum())))
+        return x
+
+    def difference(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """The shortest ways (..., n) from a to b, by less than half a turn of angles."""
+        way = b - a
+        way[..., self.angles] = (way[..., self.angles] + np.pi) % (2 * np.pi) - np.pi
+        return way
+
+    def spread(self, x: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+        """Points (m, n) in units of sizes, angles by cosine and sine, so that near is near."""
+        turned = x[:, self.angles]
+        plain = x[:, ~self.angles] / sizes[~self.angles]
+        return np.hstack([plain, np.cos(turned), np.sin(turned)])
 
     def project(self, x: np.ndarray, rows: Sequence[int], targets: Any) -> np.ndarray:
         """The points (m', n) of a level to which those of x (m, n) lead by Newton's method, in the
@@ -296,10 +358,14 @@ def integral_map_of(
                default=1.0) or 1.0  # fmt: skip
     units = [size if s in (*flow.velocities, *more) else abs(numbers.get(str(s), 1.0)) or 1.0
              for s in states]  # fmt: skip
-    return IntegralMap(
-        phase, flow, tuple(map(str, states)), (*names, *(carried.names if carried else ())),
-        len(relations), tuple(exprs), carried, start, np.array(units),
+    bare = IntegralMap(
+        phase, flow, tuple(map(str, states)), names, len(relations), tuple(exprs), None, start,
+        np.array(units),
     )  # fmt: skip
+    if carried is None:
+        return bare
+    full = replace(bare, constants=(*names, *carried.names), carried=carried)
+    return full if full.rank(range(len(full.constants))) > bare.rank(range(len(names))) else bare
 
 
 def _exact(system: Any, name: str, value: float) -> Any:
