@@ -196,7 +196,7 @@ def add_motions(page: Path, folder: Path) -> None:
     systems = sorted((page.parents[1] / "systems").glob("[!R]*.md"))
     targets = [folder / f"{own.stem}-default.html" for own in systems]
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        there = [*pool.map(_has_motion, targets)]
+        there = [*pool.map(has_motion, targets)]
     for own, target, shows in zip(systems, targets, there, strict=True):
         frame = f'<iframe src="{place}/{target.name}" loading="lazy" title="default" '
         style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
@@ -204,7 +204,7 @@ def add_motions(page: Path, folder: Path) -> None:
             _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
 
 
-def _has_motion(target: Path) -> bool:
+def has_motion(target: Path) -> bool:
     """Write the page of a default scene if it is not there, and say whether there is one."""
     if target.exists():
         return True
