@@ -28,6 +28,7 @@ from voronec.algebra.normal import canonical
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.claims import right_of
 from voronec.dynamics.angles import are_angles
+from voronec.dynamics.natural_integrals import is_long
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.equations.motions import Motions
 from voronec.equations.program import Block, Program, compile_program
@@ -345,7 +346,7 @@ def integral_map_of(
     values = {se.Symbol(n): _exact(own, n, x) for n, x in numbers.items() if n not in moving}
     states = (*kept, *more, *map(se.Symbol, moving))
     start = _start(phase, flow, kept, more, motions, [numbers[n] for n in moving])
-    carried = None if moving else _carry(flow, states, values, start)
+    carried = None if moving or is_long(equations) else _carry(flow, states, values, start)
     relations = [r for r in relations if r.free_symbols & {*kept}]
     exprs = [e.xreplace(values) for e in (*relations, *formulas, *map(se.Symbol, moving))]
     names = (*(f"relation {i + 1}" for i in range(len(relations))), *read, *moving)
