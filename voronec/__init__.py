@@ -117,7 +117,7 @@ if TYPE_CHECKING:
     from voronec.sweeps import Sweep as Sweep
     from voronec.sweeps import sweep as sweep
 
-__version__ = "0.9.0"
+__version__ = "1.0.0"
 
 _HOME = {
     name: f"voronec.{module}"
