@@ -179,9 +179,9 @@ def _add_behind(words: str, more: str, page: Path) -> None:
     page.write_text(text.replace(words, words + more, 1), "utf-8")
 
 
-def add_motions(page: Path, folder: Path) -> None:
+def add_motions(page: Path, folder: Path, of_all: bool = True) -> None:
     """Write the pages of motions, and show the first where these are told of, and on the page of
-    each system its default scene."""
+    each system its default scene; without ``of_all`` where the gallery has it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     listed, first, *_ = write_gallery(folder)
@@ -195,8 +195,10 @@ def add_motions(page: Path, folder: Path) -> None:
     _add_behind(SITE_PAGES, shown, page)
     systems = sorted((page.parents[1] / "systems").glob("[!R]*.md"))
     targets = [folder / f"{own.stem}-default.html" for own in systems]
-    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        there = [*pool.map(has_motion, targets)]
+    there = [target.exists() for target in targets]
+    if of_all:
+        with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+            there = [*pool.map(has_motion, targets)]
     for own, target, shows in zip(systems, targets, there, strict=True):
         frame = f'<iframe src="{place}/{target.name}" loading="lazy" title="default" '
         style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
@@ -272,13 +274,15 @@ def dead_links(site: Path) -> Iterator[str]:
 def main() -> int:
     """Write the source, build, look at every link."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--still", action="store_true", help="show notebooks without running them")
+    parser.add_argument(
+        "--still", action="store_true", help="run no notebooks and no motions but the gallery's"
+    )
     still = parser.parse_args().still
     from sphinx.cmd.build import build_main
 
     source, site = PLACE / "source", PLACE / "html"
     write_source(source)
-    add_motions(source / "how-to" / "view.md", site / "motions")
+    add_motions(source / "how-to" / "view.md", site / "motions", of_all=not still)
     options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
     if still:  # then no kernel says in which language the cells are
         options += ["-D", "nb_execution_mode=off", "-D", "suppress_warnings=myst-nb.lexer"]
