@@ -315,7 +315,7 @@ MANY = """
 import sys
 from pathlib import Path
 from voronec.declaration.whole_files import keep_with_digest
-for n in range(200):
+for n in range(60):
     keep_with_digest(Path(sys.argv[1]), sys.argv[2].encode() * (100 * n + 1))
 """
 
@@ -325,7 +325,7 @@ def test_what_threads_and_processes_write_at_once_is_whole(tmp_path):
     keep_with_digest(file, b"a")
 
     def write(letter):
-        for n in range(200):
+        for n in range(60):
             keep_with_digest(file, letter * (100 * n + 1))
 
     threads = [threading.Thread(target=write, args=(letter,)) for letter in (b"a", b"b")]
