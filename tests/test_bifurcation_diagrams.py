@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -222,3 +223,12 @@ def test_poles_of_coordinates_are_no_critical_points_and_leave_tori_untold():
         energy, spin = curve.values.T
         np.testing.assert_allclose(spin**2 * cosine, -((1 - cosine**2) ** 2), atol=1e-8)
         np.testing.assert_allclose(2 * energy * cosine, 3 * cosine**2 - 1, atol=1e-8)
+
+
+def test_a_measure_at_other_parameters_makes_no_tori() -> None:
+    ball = vo.load("chaplygin-ball")
+    (first, *_) = ball.parameters
+    case = vo.Case(parameters={first.symbol: 2}, measure=ball.measure)
+    other = dataclasses.replace(ball, measure=None, cases={"other": case})
+    assert any(c.kind == "measure" and c.verdict.proved for c in vo.check_claims(other))
+    assert not vo.bifurcation_diagram(other, starts=2).is_integrable

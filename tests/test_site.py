@@ -40,8 +40,8 @@ def test_notebooks_for_jupyter_hold_the_cells_of_their_pages(build) -> None:
 
 def test_systems_with_shapes_have_a_motion_on_their_page(build, tmp_path: Path) -> None:
     there, none = (tmp_path / f"{name}-default.html" for name in ("sleigh", "rolling-body"))
-    assert build.has_motion(there) and "<canvas" in there.read_text("utf-8")
-    assert not build.has_motion(none) and not none.exists()  # its surfaces are not given
+    assert build.write_motion(there) and "<canvas" in there.read_text("utf-8")
+    assert not build.write_motion(none) and not none.exists()  # its surfaces are not given
 
 
 def test_links_that_lead_nowhere_are_found(build, tmp_path: Path) -> None:

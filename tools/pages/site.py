@@ -198,7 +198,7 @@ def add_motions(page: Path, folder: Path, of_all: bool = True) -> None:
     there = [target.exists() for target in targets]
     if of_all:
         with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-            there = [*pool.map(has_motion, targets)]
+            there = [*pool.map(write_motion, targets)]
     for own, target, shows in zip(systems, targets, there, strict=True):
         frame = f'<iframe src="{place}/{target.name}" loading="lazy" title="default" '
         style = 'style="width: 100%; height: 46rem; border: 0"></iframe>'
@@ -206,7 +206,7 @@ def add_motions(page: Path, folder: Path, of_all: bool = True) -> None:
             _add_behind(MOTION, f"\n```{{raw}} html\n{frame}{style}\n```\n", own)
 
 
-def has_motion(target: Path) -> bool:
+def write_motion(target: Path) -> bool:
     """Write the page of a default scene if it is not there, and say whether there is one."""
     if target.exists():
         return True

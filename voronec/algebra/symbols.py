@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any
 
 import sympy as sp
@@ -35,6 +36,13 @@ def plain_name(thing: sp.Expr | str) -> str:
     if isinstance(thing, sp.Derivative):
         return plain_name(thing.expr) + "dot" * len(thing.variables)
     raise DefinitionError(f"'{quote(thing)}' is not a symbol; name coordinates by symbols")
+
+
+def unused_name(name: str, taken: Container[str]) -> str:
+    """A name, with as many underscores behind it as it takes to be none of those that are taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def velocity(coordinate: sp.Expr) -> sp.Expr:

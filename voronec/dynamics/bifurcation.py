@@ -31,12 +31,13 @@ from voronec.dynamics.bifurcation_regions import (
 )
 from voronec.dynamics.integral_map import IntegralMap, integral_map_of
 from voronec.dynamics.steady import SteadyMotion, steady
+from voronec.equations.motions import Motions
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, VoronecError, did_you_mean
 from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import number
 from voronec.motion.trajectory import Trajectory
-from voronec.proof.claims import check_claims
+from voronec.proof.measures import decide_measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -354,7 +355,8 @@ def _is_integrable(system: System, points: CriticalPoints) -> bool:
     if own.has_poles or any(n in system.parameter_names for n in own.constants):
         return False
     if points.dimension == 2:
-        return any(c.kind == "measure" and c.verdict.proved for c in check_claims(system))
+        measure = system.measure
+        return measure is not None and decide_measure(Motions.of(system), measure).verdict.proved
     return points.dimension == 1
 
 

@@ -31,7 +31,7 @@ from voronec.dynamics.angles import are_angles
 from voronec.dynamics.natural_integrals import is_long
 from voronec.dynamics.phase_space import PhaseSpace
 from voronec.equations.motions import Motions
-from voronec.equations.program import Block, Program, compile_program
+from voronec.equations.program import Program, compile_program
 from voronec.equations.program.jacobian import joint_block
 from voronec.equations.program.straight import fresh_names, share_subexpressions
 from voronec.equations.reduction import in_invariants
@@ -86,13 +86,11 @@ class IntegralMap:
         """What computes the formulas, then their slopes, then the slopes of these, and where they
         stand."""
         symbols, time = tuple(map(se.Symbol, self.variables)), se.Symbol("t")
-        blank = Block((), (se.Integer(0),) * len(symbols))
         block = share_subexpressions(self.formulas, fresh_names(symbols))
         places: list[tuple[int, ...]] = [(i,) for i in range(len(self.formulas))]
         made = []
         for order in range(3):
-            names = tuple(f"entry {i}" for i in range(len(block.results)))
-            program = Program(time, symbols, (), (), blank, names, block)
+            program = Program.of_block(time, symbols, block)
             made.append((program, [*places]))
             if order < 2:
                 block, more = joint_block(program, block, symbols)
@@ -470,12 +468,10 @@ def _carry(
         for along in places if carried else ():
             field = [(slopes[x] / slopes[along]).xreplace(values) for x in own]
             place = next(x for x in (0, start[order[along]]) if not _is_singular(field, {along: x}))
-            blank = Block((), (se.Integer(0),) * len(own))
             below = {p.args[0] for e in field for p in _powers(e, se.Basic)}
             results = [*field, *sorted(below, key=str)]
-            names = tuple(f"entry {i}" for i in range(len(results)))
-            program = Program(se.Symbol("t"), tuple(own), (), (), blank, names,
-                              share_subexpressions(results, fresh_names(own)))  # fmt: skip
+            block = share_subexpressions(results, fresh_names(own))
+            program = Program.of_block(se.Symbol("t"), own, block)
             found = tuple(f"{x} where {along} = {place:g}" for x in carried)
             return CarriedIntegrals(found, tuple(order[x] for x in own), order[along], place,
                                     tuple(order[x] for x in carried), program)  # fmt: skip

@@ -9,7 +9,6 @@ from typing import Any
 
 import flint
 import numpy as np
-import symengine as se
 
 from voronec.algebra.memo import Memo
 from voronec.algebra.tape import Tape, as_ball
@@ -38,7 +37,7 @@ class JointFunction:
         cls, time: Any, symbols: Sequence[Any], rows: Block, unknowns: Sequence[Any]
     ) -> JointFunction:
         """Of a block in some symbols, of which the unknowns are some."""
-        program = Program(time, tuple(symbols), (), (), Block((), ()), (), rows)
+        program = Program.of_block(time, symbols, rows)
         arguments = tuple(p for p in symbols if p not in unknowns)
         return cls(time, tuple(unknowns), arguments, rows, *joint_block(program, rows, unknowns))
 
@@ -47,9 +46,7 @@ class JointFunction:
         return replace(self, values=values)
 
     def _compile(self) -> Callable[[Any, Any, Any], list[Any]]:
-        blank = Block((), (se.Integer(0),) * len(self.unknowns))
-        names = tuple(f"entry {i}" for i in range(len(self.joint.results)))
-        program = Program(self.time, self.unknowns, (), self.arguments, blank, names, self.joint)
+        program = Program.of_block(self.time, self.unknowns, self.joint, self.arguments)
         return compile_program(program, scalar=True)[1]
 
     @cached_property

@@ -26,7 +26,7 @@ import sympy as sp
 from voronec.algebra.angles import Angles
 from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.rank import generic_rows
-from voronec.algebra.symbols import plain_name, velocity
+from voronec.algebra.symbols import plain_name, unused_name, velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
@@ -261,7 +261,7 @@ def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
 
 def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
     taken = {plain_name(s) for s in system.known_symbols()}
-    return [_fresh_symbol(f"{title}{i + 1}", taken) for i in range(count)]
+    return [sp.Symbol(unused_name(f"{title}{i + 1}", taken)) for i in range(count)]
 
 
 def _held_by_reactions(
@@ -340,13 +340,6 @@ def _on_group(home: VoronecEquations) -> AmbientFormulation:
 
 
 # -- systems written otherwise ---------------------------------------------------------------
-
-
-def _fresh_symbol(name: str, taken: set[str]) -> sp.Symbol:
-    """A symbol with a name, or one like it, that is not taken."""
-    while name in taken:
-        name += "_"
-    return sp.Symbol(name)
 
 
 def _chart_of_velocities(system: System, chart: Chart) -> Chart:

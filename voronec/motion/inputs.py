@@ -25,7 +25,7 @@ from typing import Any
 import sympy as sp
 
 from voronec.algebra.arguments import takes_fields
-from voronec.algebra.symbols import names_in, plain_name, time, velocity
+from voronec.algebra.symbols import names_in, plain_name, time, unused_name, velocity
 from voronec.algebra.text import formula
 from voronec.declaration.claims import right_of, without_claims
 from voronec.declaration.reading import (
@@ -340,10 +340,7 @@ def _symbols(system: System, u: sp.Expr, degree: int) -> list[sp.Symbol]:
     if not degree:
         return found
     taken = {plain_name(s) for s in system.known_symbols()}
-    since = f"{name}_since"
-    while since in taken:
-        since += "_"
-    return [*found, sp.Symbol(since)]
+    return [*found, sp.Symbol(unused_name(f"{name}_since", taken))]
 
 
 def _polynomial(symbols: Sequence[sp.Symbol], degree: int) -> list[sp.Expr]:

@@ -17,7 +17,7 @@ import sympy as sp
 
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.matrices import dot
-from voronec.algebra.symbols import is_symbolic_name, plain_name, time, velocity
+from voronec.algebra.symbols import is_symbolic_name, plain_name, time, unused_name, velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.declaration.bodies import Body
@@ -314,8 +314,7 @@ def _is_parallel(row: Sequence[Any], other: Sequence[Any]) -> bool:
 
 def _fresh(name: str, taken: set[str]) -> sp.Expr:
     """A function of the time by a name that nothing else has."""
-    while name in taken:
-        name += "_"
+    name = unused_name(name, taken)
     taken.add(name)
     return _function(name)
 

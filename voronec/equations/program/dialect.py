@@ -13,6 +13,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra import numeric_functions as numeric
+from voronec.algebra.symbols import unused_name
 from voronec.equations.program.straight import Block
 from voronec.errors import EngineLimit, quote
 
@@ -114,8 +115,7 @@ def identifiers(symbols: Iterable[Any], reserved: Iterable[str]) -> dict[Any, st
     for symbol in symbols:
         name = re.sub(r"[^0-9A-Za-z_]", "_", str(symbol))
         name = f"_{name}" if name[0].isdigit() else name
-        while name in taken:
-            name += "_"
+        name = unused_name(name, taken)
         taken.add(name)
         result[symbol] = name
     return result

@@ -147,6 +147,15 @@ class Program:
         wanted = {name: se.sympify(e) for name, e in extras.items()}
         return _program(form, tuple(wanted.items()), moves=False)
 
+    @classmethod
+    def of_block(
+        cls, time: Any, state: Sequence[Any], block: Block, parameters: Sequence[Any] = ()
+    ) -> Program:
+        """The program of the results of a block, as extra quantities; nothing moves in it."""
+        names = tuple(f"entry {i}" for i in range(len(block.results)))
+        still = Block((), (se.Integer(0),) * len(state))
+        return cls(time, tuple(state), (), tuple(parameters), still, names, block)
+
     @property
     def state(self) -> tuple[Any, ...]:
         """Coordinates, then velocities."""
