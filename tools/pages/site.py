@@ -40,7 +40,6 @@ ROOMS = {
     "sweeps": "Sweeps over many motions",
     "audit": "Teaching",
     "algebra": "Symbols and verdicts",
-    "accuracy": "Hard cases",
     "errors": "Errors",
     "testing": "Tests for your own systems",
 }
