@@ -6,11 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-import voronec as vo
-from figures.chain import SYSTEM
-from figures.peers import PEERS
-from figures.race import OneRun, Race, clock, race
-from voronec.accuracy.bench import (
+from accuracy import (
     OWN,
     Measured,
     ReferenceProblem,
@@ -20,6 +16,11 @@ from voronec.accuracy.bench import (
     reference,
     scene_problem,
 )
+
+import voronec as vo
+from figures.chain import SYSTEM
+from figures.peers import PEERS
+from figures.race import OneRun, Race, clock, race
 from voronec.motion.methods import METHODS
 
 

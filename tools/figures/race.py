@@ -9,8 +9,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-
-from voronec.accuracy.bench import at_error
+from accuracy import at_error
 
 LONG = 2.0
 """CPU seconds above which a run is measured twice only."""

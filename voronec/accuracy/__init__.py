@@ -1,1 +1,0 @@
-"""Speed against error, and numerically hard cases."""
