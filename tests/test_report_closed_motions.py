@@ -9,11 +9,17 @@ import numpy as np
 import pytest
 import sympy as sp
 from command_line import Call, refused
+from tool_modules import tool
 
 import voronec as vo
-from voronec.closed.pictures.phase_picture import PhaseLevel, phase_figure, phase_levels
 from voronec.errors import DefinitionError
 from voronec.motion.pictures.run_pictures import save
+
+phases, charts = tool("pages.phase_picture"), tool("pages.stability_picture")
+PhaseLevel, phase_figure, phase_levels = (
+    phases.PhaseLevel, phases.phase_figure, phases.phase_levels,
+)  # fmt: skip
+sets, rolling_of = tool("pages.bifurcation_picture"), tool("pages.rolling_animation").rolling_of
 
 pytestmark = pytest.mark.slow
 
@@ -90,17 +96,16 @@ def test_a_portrait_needs_numbers() -> None:
 def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path) -> None:
     from matplotlib.colors import to_hex
 
-    from voronec.closed.pictures.stability_picture import STABLE, UNSTABLE, stability_figure
     from voronec.closed.special.stability_chart import chart_of
 
     chart = chart_of(demchenko, unit="k/A")
-    figure = stability_figure({"outer": chart}, labels=("$x$", "$w$"))
+    figure = charts.stability_figure({"outer": chart}, labels=("$x$", "$w$"))
     (panel,) = figure.axes
-    assert to_hex(panel.get_facecolor()) == STABLE
+    assert to_hex(panel.get_facecolor()) == charts.STABLE
     unstable = [region for region in chart.regions if not region.stable]
     assert 0 < len(unstable) < len(chart.regions)
     for patch, region in zip(panel.patches, unstable, strict=True):
-        assert to_hex(patch.get_facecolor()) == UNSTABLE
+        assert to_hex(patch.get_facecolor()) == charts.UNSTABLE
         assert patch.get_path().contains_point([float(c) for c in region.sample])
     assert len(written(figure, tmp_path / "chart.svg")) < SIZE
     # below k = b1 w lies a second region, which only an enlargement shows
@@ -115,25 +120,22 @@ def test_a_chart_shows_each_region_as_it_is(demchenko: vo.System, tmp_path: Path
 def test_lines_lose_points_and_neither_shape_nor_ends() -> None:
     from scipy.spatial import cKDTree
 
-    from voronec.closed.pictures.stability_picture import FINE, thin_line
-
     angle = np.linspace(0, 2 * np.pi, 401)
     ring = np.column_stack([np.cos(angle), 100 * np.sin(angle)])
     size = np.array([2.0, 200.0])
-    few = thin_line(ring, size)
+    few = charts.thin_line(ring, size)
     assert len(few) < 150
     assert np.array_equal(few[[0, -1]], ring[[0, -1]])
     dense = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(few)])
-    assert cKDTree(dense / size).query(ring / size)[0].max() < 1.1 * FINE
+    assert cKDTree(dense / size).query(ring / size)[0].max() < 1.1 * charts.FINE
 
 
 def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System) -> None:
-    from voronec.closed.pictures.bifurcation_picture import bifurcation_figure, levels_of
     from voronec.closed.special.bifurcation import bifurcation_set
 
     one = bifurcation_set(demchenko, ("S0", "h2"), {"C5": "1/2"})
     grid = np.array([-1.0, 4.0, 7.0, 11.0, 13.0, 18.0])
-    least, second, ridge = levels_of(one, grid)
+    least, second, ridge = sets.levels_of(one, grid)
     assert np.isfinite(ridge).sum() >= 3
     for i, across in enumerate(grid):
         level = sp.Rational(across)
@@ -142,7 +144,7 @@ def test_shades_of_a_bifurcation_set_are_numbers_of_motions(demchenko: vo.System
         if np.isfinite(ridge[i]) and ridge[i] > second[i]:
             assert one.motions(level, sp.Rational((second[i] + ridge[i]) / 2)) == 2
             assert one.motions(level, sp.Rational(ridge[i]) + sp.Rational(1, 100)) == 1
-    (panel,) = bifurcation_figure({"outer": one}).axes
+    (panel,) = sets.bifurcation_figure({"outer": one}).axes
     curves = [line for line in panel.lines if len(line.get_xdata()) > 2]
     assert len(curves) == len(one.curves)
 
@@ -157,8 +159,6 @@ def run(request: pytest.FixtureRequest, demchenko: vo.System) -> vo.Trajectory:
 
 
 def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> None:
-    from voronec.motion.pictures.rolling_animation import rolling_of
-
     rolling = rolling_of(run)
     turned = np.einsum("tij,tj->ti", rolling.attitude, rolling.body)
     assert np.allclose(turned, -rolling.fixed, atol=1e-12)
@@ -175,7 +175,6 @@ def test_the_ball_of_a_film_touches_and_does_not_slip(run: vo.Trajectory) -> Non
 
 def test_the_places_of_a_film_are_those_of_the_ball(run: vo.Trajectory) -> None:
     """The ball's centre and attitude, from shapes, are those of Neumann's coordinates."""
-    from voronec.motion.pictures.rolling_animation import rolling_of
     from voronec.motion.pictures.scene_film import ShapesInMotion
 
     shown, rolling = ShapesInMotion(run), rolling_of(run)

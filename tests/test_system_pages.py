@@ -51,7 +51,7 @@ def test_the_pages_say_what_is_declared(
 ) -> None:
     """Their equations are left to ``test_readable_equations``: here none is derived."""
     no_equations = SimpleNamespace(in_normal_form=False)
-    monkeypatch.setattr("voronec.proof.system_page.derive", lambda _: no_equations)
+    monkeypatch.setattr("pages.system_page.derive", lambda _: no_equations)
     expected = build.pages(stock, results)
     found = {page.name for page in build.FOLDER.glob("*.md")}
     assert found == set(expected), STALE

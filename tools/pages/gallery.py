@@ -19,16 +19,16 @@ import numpy as np
 import sympy as sp
 
 import voronec as vo
+from pages.bifurcation_picture import bifurcation_figure
+from pages.phase_picture import phase_figure, phase_levels
+from pages.rolling_animation import film_strip, rolling_of
+from pages.stability_picture import stability_figure
 from voronec.closed.classes.search import find
 from voronec.closed.classes.trace_classes import LABELS, classify
-from voronec.closed.pictures.bifurcation_picture import bifurcation_figure
-from voronec.closed.pictures.phase_picture import phase_figure, phase_levels
 from voronec.closed.pictures.sphere_picture import motion_traces, traces_figure
-from voronec.closed.pictures.stability_picture import stability_figure
 from voronec.closed.special.bifurcation import bifurcation_set
 from voronec.closed.special.precessions import precessions, quadratures_of
 from voronec.closed.special.stability_chart import chart_of
-from voronec.motion.pictures.rolling_animation import film_strip, rolling_of
 from voronec.motion.pictures.run_pictures import save
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "closed-form"

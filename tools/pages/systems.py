@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from pages.system_page import index_page, system_page
 from voronec.cli import main as voronec
 from voronec.declaration.bibliography import bibtex
 from voronec.proof.check import Inventory, Result, check_catalogue, failure_line, user_store
 from voronec.proof.check.unit import units_of
-from voronec.proof.system_page import index_page, system_page
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "systems"
 RESULTS = "results.json"
