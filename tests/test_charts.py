@@ -15,7 +15,7 @@ from voronec.motion.atlas import kept_charts
 from voronec.motion.methods import choose
 from voronec.motion.request import Event
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Problem, cut_at_singularity
+from voronec.motion.steppers import Problem
 from voronec.motion.steppers.run import part_at
 from voronec.motion.transitions.charts import through_charts
 from voronec.proof.relations.charts import check_charts
@@ -36,7 +36,7 @@ def run(equations, start, times, method="scipy", tol=1e-13, charts=True, **more)
     grid = np.array(times, dtype=float)
     if charts:
         return through_charts(method, problem, grid, equations, functions)[0](grid)
-    return cut_at_singularity(choose(method, problem, grid)[0](grid), problem)
+    return choose(method, problem, grid)[0](grid)
 
 
 NEAR_POLE = [1e-6, 0.4, 1.0, 1.2, 0.3, 0.7, 0.2, 0.3]

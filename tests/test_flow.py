@@ -357,8 +357,8 @@ def test_ctrl_c_keeps_what_is_done_with_scipy(monkeypatch: pytest.MonkeyPatch) -
 def test_ctrl_c_keeps_what_is_done_with_heyoka(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(taylor, "CHUNK", 2)
     whole = vo.integrate(SLEIGH, times=GRID, method=METHODS[-1])
-    way = taylor.StallDetector.distance
-    monkeypatch.setattr(taylor.StallDetector, "distance", interrupt_at_third_call(way))
+    way = steps.StallDetector.distance
+    monkeypatch.setattr(steps.StallDetector, "distance", interrupt_at_third_call(way))
     traj = vo.integrate(SLEIGH, times=GRID, method=METHODS[-1])
     if METHODS[-1] == "heyoka":
         assert traj.interrupted and 1 < len(traj.t) < len(GRID)

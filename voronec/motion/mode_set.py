@@ -14,16 +14,14 @@ import symengine as se
 
 from voronec.algebra.stable import stable_all
 from voronec.equations.program import Block, Program
-from voronec.equations.program.jacobian import flow_derivative
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import Switch
-from voronec.errors import EngineLimit
 from voronec.motion.methods import choose
 from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, motion_along_surfaces
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run, narrow, natural_units, restart, widen
+from voronec.motion.steppers import Integrator, Problem, Run, natural_units, restart
 
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""
@@ -38,9 +36,7 @@ class Mode:
 
     ``sides`` has the sign or floor of every switching surface; ``along`` are the surfaces on which
     the motion is held.  ``watch`` maps names of events to the surfaces at which the mode ends
-    (none: at a rim), ``turns`` others to the surfaces that the motion may touch.  ``followed``
-    computes what stands behind the state in the problem: the functions of events, where these
-    alone tell a time.
+    (none: at a rim), ``turns`` others to the surfaces that the motion may touch.
     """
 
     corner: SmoothBranch
@@ -53,35 +49,15 @@ class Mode:
     problem: Problem
     chosen: Mapping[str, Any]
     solver: Integrator | None
-    followed: Program | None = None
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
-        wide, problem, solver = self._widen(state, values, times[0]), self.problem, self.solver
+        problem, solver = self.problem, self.solver
         if solver is None:
-            problem = replace(problem, start=wide, parameters=list(values))
+            problem = replace(problem, start=state, parameters=list(values))
             solver = choose(self.chosen["method"], problem, times)[0]
         problem.parameters[:] = values  # type: ignore[index]
-        return self._narrow(restart(solver, problem)(wide, times), len(state))
-
-    def _widen(self, state: np.ndarray, values: Sequence[Any], time: Any) -> np.ndarray:
-        """The state, and the functions of events that are followed."""
-        if self.followed is None:
-            return state
-        exactly = [*map(mpmath.mpf, state)]
-        found = compiled_digits(self.followed)[1](time, exactly, [*map(mpmath.mpf, values)])
-        beside = np.array([mpmath.mpf(x) for x in found], dtype=object).astype(state.dtype)
-        return np.concatenate([state, beside])
-
-    def check_rates(self, time: Any, state: np.ndarray, values: Sequence[Any]) -> None:
-        """Raise one of ``NO_VALUE`` where what is followed beside the state has no rate."""
-        if self.followed is not None:
-            wide = self._widen(state, values, time)
-            compiled_digits(self.problem.program)[0](time, [*wide], values)
-
-    def _narrow(self, run: Run, width: int) -> Run:
-        """A run without what is followed beside the state."""
-        return run if self.followed is None else narrow(run, width)
+        return restart(solver, problem)(state, times)
 
 
 @dataclass
@@ -147,38 +123,38 @@ class ModeSet:
             self.known_modes[key] = found
         return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
 
-    def _watched_surfaces(
+    def _switching_ends(
         self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
-    ) -> dict[str, tuple[LevelSurface, ...]]:
-        watch: dict[str, tuple[LevelSurface, ...]] = {}
+    ) -> dict[str, tuple[LevelSurface, Any]]:
+        """The switching surfaces at which a mode ends, with what falls through zero there."""
+        ends: dict[str, tuple[LevelSurface, Any]] = {}
         for i, switch in enumerate(corner.switches):
             if switch.fixed or self.modes.is_held(switch, along):
                 continue
+            name, g = f"switching surface {i}", switch.function
             if switch.whole:
-                watch[f"switching surface {i} below"] = (LevelSurface(switch, sides[switch]),)
-                watch[f"switching surface {i} above"] = (LevelSurface(switch, sides[switch] + 1),)
+                floor, level = self.modes.floor(switch), sides[switch]
+                ends[f"{name} below"] = LevelSurface(switch, level), g - floor
+                ends[f"{name} above"] = LevelSurface(switch, level + 1), floor + 1 - g
             else:
-                watch[f"switching surface {i}"] = (LevelSurface(switch),)
-        watch |= {f"rim {i}": () for i in range(len(corner.rims))}
-        return watch | {f"weight {i}": along for i in range(len(along))}
+                ends[name] = LevelSurface(switch), corner.signs[switch] * g
+        return ends
+
+    def _watched_surfaces(
+        self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
+    ) -> dict[str, tuple[LevelSurface, ...]]:
+        found = self._switching_ends(corner, sides, along)
+        rims = {f"rim {i}": () for i in range(len(corner.rims))}
+        weights = {f"weight {i}": along for i in range(len(along))}
+        return {name: (surface,) for name, (surface, _) in found.items()} | rims | weights
 
     def _levels(
         self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
     ) -> dict[str, Any]:
         """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
-        levels = {}
-        for i, switch in enumerate(corner.switches):
-            if switch.fixed or self.modes.is_held(switch, along):
-                continue
-            if switch.whole:
-                floor = self.modes.floor(switch)
-                levels[f"switching surface {i} below"] = switch.function - floor
-                levels[f"switching surface {i} above"] = floor + 1 - switch.function
-            else:
-                levels[f"switching surface {i}"] = corner.signs[switch] * switch.function
-        for i, base in enumerate(corner.rims):
-            levels[f"rim {i}"] = self._fall(base, corner, sides)
-        return levels
+        found = self._switching_ends(corner, sides, along)
+        rims = {f"rim {i}": self._fall(b, corner, sides) for i, b in enumerate(corner.rims)}
+        return {name: level for name, (_, level) in found.items()} | rims
 
     def _fall(self, base: Any, corner: SmoothBranch, sides: Mapping[Switch, int]) -> Any:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
@@ -211,7 +187,7 @@ class ModeSet:
             found = motion_along_surfaces(numbered, along)
             if found is None:
                 return None
-            program, weighing = found
+            program, weighing = _hold_still(found[0], along), found[1]
             kinds = [f"{w} {i}" for w in ("weight", "return") for i in range(len(along))]
             block = Block(weighing.assignments, (*functions.values(), *weighing.results))
             levels = replace(program, names=(*functions, *kinds), extras=block)
@@ -223,12 +199,9 @@ class ModeSet:
             }
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
-        problem, followed = _follow_events(problem, along) if along else (problem, None)
         solver, chosen = self._choose_stepper(problem)
         lasting = solver if chosen["method"] == "heyoka" else None
-        return Mode(
-            corner, program, levels, sides, along, {}, turns, problem, chosen, lasting, followed
-        )
+        return Mode(corner, program, levels, sides, along, {}, turns, problem, chosen, lasting)
 
     def _problem_of_mode(
         self, corner: SmoothBranch, program: Program, levels: Program, sides: Mapping[Switch, int],
@@ -245,7 +218,9 @@ class ModeSet:
             events=(*given.events, *events), parameters=numbers,
             exact=None, switching_surfaces=frozenset(ends),
             suspect=None if along else given.suspect, progress=self.progress,
-            apart=frozenset((*ends, *turns)),  # steps begin anew at each of them
+            # steps begin anew at each of these; along surfaces they alone tell a time
+            apart=frozenset() if along else frozenset((*ends, *turns)),
+            whole=bool(along),
             # what has come to rest but for rounding is measured as it was while it moved
             units=natural_units(given) if along else given.units,
         )  # fmt: skip
@@ -288,45 +263,20 @@ def _with_turns(
     return replace(levels, names=(*levels.names, *turns), extras=block)
 
 
-def _follow_events(
-    problem: Problem, along: Sequence[LevelSurface]
-) -> tuple[Problem, Program | None]:
-    """The problem with the functions of its events as further states, and what computes these: what
-    is held stands still, and steps as long as that allows would pass over a release.  Without them,
-    where nobody differentiates these."""
-    program, levels = problem.program, problem.levels
-    assert levels is not None  # a mode has events where it ends
-    held = _held_states(along, frozenset(program.state))
-    # the slope of a root may have no value where nothing moves
-    flow = tuple(se.sympify(r).xreplace(held) for r in program.derivative.results)
-    lines = program.derivative.assignments
-    try:
-        moved = flow_derivative(replace(program, derivative=Block(lines, flow)), levels.extras)
-    except EngineLimit:
-        return problem, None
-    pairs = zip(levels.names, levels.extras.results, moved.results, strict=True)
-    moving = [(name, level, rate) for name, level, rate in pairs if rate != 0]
-    if not moving:
-        return problem, None
-    names, functions, rates = zip(*moving, strict=True)
-    wide = program.beside(replace(moved, results=rates), "event")
-    followed = replace(levels, names=names, extras=replace(levels.extras, results=functions))
-    # they are there, and need not be put beside the states again
-    return replace(widen(problem, wide), apart=frozenset(levels.names)), followed
-
-
-def _held_states(along: Sequence[LevelSurface], states: frozenset[Any]) -> dict[Any, Any]:
-    """What stands for a state on each of some surfaces, where that is linear in it."""
-    found: dict[Any, Any] = {}
+def _hold_still(program: Program, along: Sequence[LevelSurface]) -> Program:
+    """The program of a motion along surfaces, where states that these hold stand for themselves no
+    longer: the slope of a root may have no value where nothing moves."""
+    states, held = frozenset(program.state), dict[Any, Any]()
     for surface in along:
-        function = surface.function.xreplace(found)
+        function = surface.function.xreplace(held)
         for x in sorted(function.free_symbols & states, key=str):
             slope = function.diff(x)
             if slope in (1, -1):
                 there = {x: x - function / slope}
-                found = {k: e.xreplace(there) for k, e in found.items()} | there
+                held = {k: e.xreplace(there) for k, e in held.items()} | there
                 break
-    return found
+    flow = tuple(se.sympify(r).xreplace(held) for r in program.derivative.results)
+    return replace(program, derivative=replace(program.derivative, results=flow))
 
 
 def _of_events(levels: Program, given: Sequence[Guard], ends: Sequence[str]) -> Program:

@@ -556,12 +556,11 @@ class Crossroads(ModeSet):
 
     def begin(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
         """Time and state from which a motion along surfaces is followed: a moment later where its
-        weights are 0/0, or their rates have no value, as that of sqrt|x| where x sets out."""
+        weights are 0/0."""
         if not mode.along:
             return time, state
         try:
             self._holds(mode, time, state)
-            mode.check_rates(time, state, self.values(mode.program, mode.sides, time))
         except NO_VALUE:
             return self.moment(mode, time, state, 1)
         return time, state

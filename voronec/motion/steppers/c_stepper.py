@@ -29,6 +29,11 @@ ARRAYS = {
 }  # fmt: skip
 """What ``drive`` is given, in order, before three integers; its lengths come after them."""
 LENGTHS = ("grid", "times", "coarse")
+COUNTS = frozenset((
+    "i", "j", "trial", "done", "steps", "evaluations", "kept", "outcome", "rejected", "happening",
+    "searched", "good",
+))  # fmt: skip
+"""Names in ``drive`` that are integers; others are doubles."""
 PARAMETERS = {
     **ARRAYS, "row": "double *row", "dense": "integer dense", "keep": "integer keep",
     "limit": "integer limit",
@@ -104,21 +109,19 @@ def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> 
 
 
 class _Function:
-    """One function, translated: its names are doubles, or integers where they only count."""
+    """One function, translated: its names are doubles, or ``COUNTS``."""
 
     def __init__(self, tree: ast.FunctionDef, room: int) -> None:
         self.tree, self.room = tree, room
         self.arguments = [a.arg for a in tree.args.args]
         self.local: dict[str, str] = {}
-        self.whole = self._integers()
 
     def text(self) -> str:
         """The function in C."""
         body = [row for line in self.tree.body for row in self.statement(line)]
-        targets = {name for name, _ in self._targets()}
-        names = sorted(targets - set(self.arguments) - self.local.keys())
+        names = sorted({*self._targets()} - {*self.arguments} - self.local.keys())
         declared = [*self.local.values(), f"double answers[{max(self.room, 1)}];"]
-        declared += [f"{'integer' if n in self.whole else 'double'} {n} = 0;" for n in names]
+        declared += [f"{'integer' if n in COUNTS else 'double'} {n} = 0;" for n in names]
         arguments = [PARAMETERS.get(n, f"double {n}") for n in self.arguments]
         is_loop = self.tree.name == "drive"
         if is_loop:
@@ -129,26 +132,13 @@ class _Function:
         )
         return "\n".join([opening + " {", *declared, "(void)answers;", *body, "}\n"])
 
-    def _targets(self) -> Iterator[tuple[str, ast.expr | None]]:
-        """Names that are assigned, with what they get where that is one expression."""
+    def _targets(self) -> Iterator[str]:
+        """Names that are assigned."""
         for node in ast.walk(self.tree):
             if isinstance(node, ast.For):
-                yield ast.unparse(node.target), ast.Constant(0)
-            elif isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
-                yield node.target.id, node.value
+                yield ast.unparse(node.target)
             elif isinstance(node, ast.Assign):
-                for target, value in _pairs(node):
-                    if isinstance(target, ast.Name):
-                        yield target.id, value
-
-    def _integers(self) -> set[str]:
-        """Names that are only given integers, found by taking away."""
-        pairs = list(self._targets())
-        whole, before = {name for name, _ in pairs}, -1
-        while len(whole) != before:
-            before = len(whole)
-            whole -= {name for name, value in pairs if not _counts(value, whole)}
-        return whole
+                yield from (t.id for t, _ in _pairs(node) if isinstance(t, ast.Name))
 
     def statement(self, node: ast.stmt) -> list[str]:
         """A statement as lines."""
@@ -280,18 +270,3 @@ def _array(node: Any) -> tuple[str, list[str]] | None:
     shape = node.args[0]
     sizes = shape.elts if isinstance(shape, ast.Tuple) else [shape]
     return "integer" if node.func.attr == "zeros" else "double", [ast.unparse(s) for s in sizes]
-
-
-def _counts(node: Any, whole: set[str]) -> bool:
-    """Whether an expression is an integer where the names of ``whole`` are."""
-    if isinstance(node, ast.Constant):
-        return isinstance(node.value, int)
-    if isinstance(node, ast.Name):
-        return node.id in whole
-    if isinstance(node, ast.Compare | ast.BoolOp):
-        return True
-    if isinstance(node, ast.IfExp):
-        return _counts(node.body, whole) and _counts(node.orelse, whole)
-    if isinstance(node, ast.Subscript):
-        return ast.unparse(node.value) in ("counts", "coarse", "active")
-    return False

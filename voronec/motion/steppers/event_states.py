@@ -27,8 +27,9 @@ PERIODIC = (se.tan, se.cot, se.sec, se.csc)
 
 
 @lru_cache(maxsize=32)  # to differentiate takes longer than most runs
-def with_parts(program: Program, block: Block) -> Program:
-    """The program with what bends in the results of a block as further states behind its own.
+def with_parts(program: Program, block: Block, whole: bool = False) -> Program:
+    """The program with what bends in the results of a block as further states behind its own, or
+    with the ``whole`` results.
 
     What has no poles, corners or jumps is taken whole; of other functions the arguments are, of
     periodic ones the sine.  The program itself where nothing bends, or nobody differentiates it.
@@ -36,7 +37,8 @@ def with_parts(program: Program, block: Block) -> Program:
     fresh = {name: se.Symbol(f"line of part {i}") for i, (name, _) in enumerate(block.assignments)}
     own = tuple((fresh[n], se.sympify(e).xreplace(fresh)) for n, e in block.assignments)
     results = [se.sympify(e).xreplace(fresh) for e in block.results]
-    parts = tuple(_bending_parts(dict(own), results, {program.time, *program.state}))
+    bends = _bending_parts(dict(own), results, {program.time, *program.state})
+    parts = tuple(results if whole else bends)
     given = {program.time, *program.state, *program.parameters}
     known = given | {name for name, _ in (*program.derivative.assignments, *own)}
     if not parts or any(not e.free_symbols <= known for e in parts):
@@ -46,10 +48,11 @@ def with_parts(program: Program, block: Block) -> Program:
         moved = flow_derivative(program, Block(lines, parts))
     except EngineLimit:
         return program
-    kept = prune(moved.assignments, (*program.derivative.results, *moved.results))
+    rates = tuple(rate for rate in moved.results if rate != 0)
+    kept = prune(moved.assignments, (*program.derivative.results, *rates))
     if atoms(kept.expressions, se.Derivative, se.Subs):
         return program
-    return program.beside(replace(moved, assignments=kept.assignments), "part")
+    return program.beside(Block(kept.assignments, rates), "part")
 
 
 def _bending_parts(lines: dict[Any, Any], results: list[Any], moving: set[Any]) -> Iterator[Any]:
@@ -109,7 +112,7 @@ def make_with_event_states(make: Any, problem: Problem) -> Integrator:
     results = tuple(e for name, e in pairs if name not in apart)
     if not (problem.program.state and results):
         return make(problem)
-    wide = with_parts(problem.program, replace(levels.extras, results=results))
+    wide = with_parts(problem.program, replace(levels.extras, results=results), problem.whole)
     width, more = len(problem.start), len(wide.state) - len(problem.start)
     if not more:
         return make(problem)

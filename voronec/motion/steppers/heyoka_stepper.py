@@ -19,24 +19,18 @@ import symengine as se
 
 from voronec.declaration.whole_files import make_private, user_cache
 from voronec.equations.program import Program, hoist, taylor_extras, taylor_system
-from voronec.motion.crossings import NODES, SPECK, Levels, StepCourse, crossings
+from voronec.motion.crossings import NODES
 from voronec.motion.steppers.held_steps import Leap, LeapEnd
 from voronec.motion.steppers.run import (
     COLLAPSE,
-    DISTANT,
     INFINITE,
     WINDOW,
     Integrator,
-    Log,
     Problem,
     Run,
     StallDetector,
-    Termination,
-    Ticker,
-    cut_at_singularity,
-    in_parts,
 )
-from voronec.motion.steppers.samples import StepSamples, burst, series_samples, series_states
+from voronec.motion.steppers.samples import burst, series_samples, series_states
 from voronec.motion.steppers.series_reach import (
     BRIEF,
     BRIEF_STRIDE,
@@ -52,7 +46,13 @@ from voronec.motion.steppers.series_reach import (
     first_reach,
     reach,
 )
-from voronec.motion.steppers.step_loop import IntegratorFailure, level_function
+from voronec.motion.steppers.step_loop import (
+    IntegratorFailure,
+    Segment,
+    Stride,
+    level_function,
+    march,
+)
 from voronec.motion.steppers.units import CHUNK, LEAST, SHORT, TurnCount, natural_units
 
 AHEAD = 100_000
@@ -122,14 +122,17 @@ def taylor(problem: Problem) -> Integrator:
     hy = heyoka()
     pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)
     own = [pool.take()]
+    share = min(1.0, WEIGHT / (problem.program.weight or 1.0))
 
     def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
         machine.place(problem, grid)
-        ticker = Ticker(problem.progress, float(grid[0]), float(grid[-1]))
+        stall = StallDetector(grid[0], float(grid[-1]), max(int(share * LONG), WINDOW), crawl=0.0)
+        stepper = _TaylorStepper(hy, machine, problem, grid, stall)
         try:
-            return _Drive(hy, machine, problem, grid, ticker).run()
+            found = march(problem, grid, stepper, level_function(problem), stall)
         finally:
             pool.at_rest[:] = [machine]
+        return None if stepper.has_outgrown else found
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
@@ -269,58 +272,32 @@ def _moving_extras(levels: Program) -> set[str]:
 
 
 @dataclass
-class _Drive:
-    """One run, chunk by chunk."""
+class _TaylorStepper:
+    """heyoka's integrator under way, chunk by chunk: ``step()`` from Python takes 4 us a step, and
+    a chunk of them 0.3."""
 
     hy: Any
     machine: _Machine
     problem: Problem
     grid: np.ndarray
-    ticker: Ticker
-    rows: list[np.ndarray] = field(default_factory=list)
-    segments: list[Any] = field(default_factory=list)
-    ends: list[float] = field(default_factory=list)
-    samples: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    stall: StallDetector
+    series: list[tuple[float, float, np.ndarray | None]] = field(default_factory=list)
     is_sampled: bool = False
-    series: list[tuple[float, float, np.ndarray]] = field(default_factory=list)
     done: int = 1
     steps: int = 0
-    efforts: int = 0
-    idle: int = 0
-    size: int = field(init=False)
-    ahead: int = field(init=False)
+    evaluations: int = 0
+    ahead: int = AHEAD
+    size: int = field(default_factory=lambda: CHUNK)
     has_outgrown: bool = False
+    failure: str = ""
     longest: float = 0.0
     usual: float = np.inf
-    integrator: Any = field(init=False)
-    log: Log = field(init=False)
-    levels: Levels = field(init=False)
-    is_on_switching_surface: bool = True
-    before: np.ndarray | None = None
-    winding: TurnCount = field(init=False)
-    standing: tuple[float, np.ndarray] = field(init=False)
-    span: float = field(init=False)
     output: _TaylorSteps | None = None
-    stall: StallDetector = field(init=False)
 
     def __post_init__(self) -> None:
-        share = min(1.0, WEIGHT / (self.problem.program.weight or 1.0))
-        self.stall = StallDetector(
-            self.grid[0], float(self.grid[-1]), max(int(share * LONG), WINDOW)
-        )
-        self.integrator, problem = self.machine.integrator, self.problem
-        span = float(np.ptp(self.grid))
-        self.log = Log(
-            float(self.grid[0]),
-            span,
-            len(problem.start),
-            switching_surfaces=problem.switching_surfaces,
-        )
-        self.levels = level_function(problem)
-        self.winding = self.machine.winding
-        self.standing = self.integrator.time, self.problem.start
-        self.span = abs(float(self.grid[-1] - self.grid[0]))
-        self.size, self.ahead = CHUNK, AHEAD
+        self.integrator, self.winding = self.machine.integrator, self.machine.winding
+        self.end = float(self.grid[-1])
+        self.span = abs(self.end - float(self.grid[0]))
         self.opening = self.first_step()
         self.stride = STRIDE if self.opening == np.inf else 1.0
         self.has_roots = self.problem.program.has_moving_roots
@@ -331,7 +308,7 @@ class _Drive:
         """The length of the first step where heyoka's own would be too long, else infinite."""
         ta = self.integrator
         moment, state = ta.dtime, ta.state.copy()
-        span = float(self.grid[-1] - self.grid[0])
+        span = self.end - float(self.grid[0])
         taken = ta.step(max_delta_t=span, write_tc=True)[1] if span else 0.0
         # where the right side is not defined no step is taken, and the run says so
         well = np.isfinite(taken)
@@ -344,94 +321,63 @@ class _Drive:
         """Take the integrator back to a moment, as if it had not gone on."""
         self.integrator.dtime, self.integrator.state[:] = moment, state
 
-    def run(self) -> Run | None:
-        """The run; None where states without units of their own outgrow ordinary size, which
-        loosens the steps of all others."""
-        self.rows.append(self.problem.start[None, :])
-        try:
-            while self.done < len(self.grid) and not self.log.stopped:
-                halt = self.chunk()
-                if self.has_outgrown:
-                    return None
-                if halt is not None:
-                    return self.result(halt)
-                self.ticker(self.integrator.time)
-        except KeyboardInterrupt:
-            return self.result(interrupted=True)
-        return self.result()
+    def advance(self) -> Stride | Segment:
+        """The next chunk of steps; what ends the motion in it is told after it.
 
-    def chunk(self) -> Termination | None:
+        States without units of their own that outgrow ordinary size end it, too: they loosen the
+        steps of all others.
+        """
+        if self.failure:
+            raise IntegratorFailure(self.failure)
+        ta, outcomes = self.integrator, self.hy.taylor_outcome
         self.machine.fit_units()
-        self.winding.take(self.integrator.state)
-        before, state = self.integrator.time, self.integrator.state.copy()
-        moment = self.integrator.dtime
+        self.winding.take(ta.state)
+        before, moment, state = ta.time, ta.dtime, ta.state.copy()
         limit = self.opening
         size = self.size if limit == np.inf else 1
-        ends, segments = len(self.ends), len(self.segments)
         ahead, self.is_sampled = burst(self.steps)
-        outcome, taken, new = self.advance(min(size, ahead))
-        self.efforts += taken
+        outcome, taken, rows = self.go_on(min(size, ahead))
+        self.evaluations += taken
         self.opening = np.inf
         overlong = self.overlong(moment, state, taken) if limit == np.inf else None
         self.usual = min(self.usual, limit)
         if overlong is not None:
             good, length = overlong
-            del self.ends[ends:], self.segments[segments:]
-            self.opening = np.inf if good else length
-            outcome, taken, new = self.advance(good or 1)
+            self.opening = limit = np.inf if good else length
+            outcome, taken, rows = self.go_on(good or 1)
             self.opening = length if good else np.inf
-        self.has_outgrown = bool(
-            self.winding.outgrown(self.integrator.state) or self.winding.outgrown(new)
-        )
-        if self.problem.events and self.output is not None and not self.has_outgrown:
-            taken, new = self.look(self.output, taken, new, ends)
-        self.steps += taken
-        self.take_samples(taken)
-        self.idle = 0 if len(new) else self.idle + taken
-        if len(new):
-            self.rows.append(self.winding.whole(new))
-        self.set_pace(taken, len(new))
-        self.done += len(new)
-        if self.log.stopped:
-            return None
-        moved = abs(self.integrator.time - before)
+        large = rows if self.output is None else self.output.tcs[:, :, 0]
+        self.has_outgrown = bool(self.winding.outgrown(ta.state) or self.winding.outgrown(large))
+        if self.has_outgrown:
+            raise IntegratorFailure(INFINITE)
+        self.steps, self.done = self.steps + taken, self.done + len(rows)
+        self.set_pace(taken, len(rows))
+        if outcome == outcomes.err_nf_state:  # it stands beyond the last step that was good
+            self.failure = INFINITE
+            self.return_to(moment, state)
+            if taken:
+                ta.propagate_until(self.end, max_steps=taken, max_delta_t=limit)
+        moved = abs(ta.time - before) / max(taken, 1)
         # heyoka does not count steps of length zero among those that it took
-        limited = outcome == self.hy.taylor_outcome.step_limit
-        reason = self.stall.distance(self.efforts, self.integrator.time)
-        if not reason and limited and moved <= CRAWL * max(taken, 1) / CHUNK * self.span:
-            reason = self.stall.reason(moved / max(taken, 1))
-        if reason:
-            return self.halt(reason)
-        if outcome == self.hy.taylor_outcome.err_nf_state:
-            return self.last_good(before, state, taken)
-        self.standing = self.integrator.time, self.winding.whole(self.integrator.state)
-        return None
+        if outcome == outcomes.step_limit and moved <= CRAWL / CHUNK * self.span:
+            self.failure = self.stall.reason(moved)
+        return self.segment(taken, rows)
 
-    def look(
-        self, output: _TaylorSteps, taken: int, new: np.ndarray, ends: int
-    ) -> tuple[int, np.ndarray]:
-        """Enter what happens in the steps of a chunk; how many of them, and which of its new rows
-        of the grid, lie before what stops the run, as do the ``ends`` of steps kept since."""
-        problem, order = self.problem, 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        course = StepCourse(output.times, output, self.before, output.looks)
-        left = problem.switching_surfaces if self.is_on_switching_surface else frozenset[str]()
-        seen = crossings(dict(enumerate(problem.events)), self.levels, course, left)
-        pairs = zip(problem.events, seen.end, strict=True)
-        on = [
-            abs(value) <= SPECK
-            for event, value in pairs
-            if event.name in problem.switching_surfaces
-        ]
-        self.is_on_switching_surface = self.is_on_switching_surface and any(on)
-        self.before = seen.end
-        self.log.touches += seen.touches
-        self.log.enter_all(seen.passages, course.at)
-        if not self.log.stopped:
-            return taken, new
-        time, coming = order * self.log.last[0], self.grid[self.done : self.done + len(new)]
-        self.ends[ends:] = [t for t in self.ends[ends:] if order * t < time] + [self.log.last[0]]
-        taken = int(np.searchsorted(order * course.ends[1:], time)) + 1
-        return taken, new[: np.searchsorted(order * coming, time, side="right")]
+    def segment(self, taken: int, rows: np.ndarray) -> Stride | Segment:
+        """What was done in a chunk."""
+        ta, whole = self.integrator, self.winding.whole
+        state = whole(ta.state)
+        if (output := self.output) is not None:
+            return Stride(
+                *output.times[[0, -1]].tolist(), state, output, inner=output.times[1:-1].tolist(),
+                looks=output.looks, samples=output.samples if self.is_sampled else lambda *_: None,
+            )  # fmt: skip
+        ends, samples = [end for end, _, _ in self.series], None
+        if self.is_sampled and self.series:
+            times, states = series_samples(*self.steps_taken())
+            samples = times, whole(states)
+        none = np.empty((0, len(state)))
+        return Segment(taken, whole(rows), ta.time, state, ends, none, (), samples)
 
     def overlong(
         self, moment: tuple[float, float], state: np.ndarray, taken: int
@@ -449,23 +395,20 @@ class _Drive:
         if not taken or not longest > usual:
             return None
         end, there = ta.dtime, ta.state.copy()
-        ta.dtime, ta.state[:] = moment, state
+        self.return_to(moment, state)
         found = self.first_overlong(taken, usual)
-        if found:
-            self.return_to(moment, state)
-        else:
-            ta.dtime, ta.state[:] = end, there
+        self.return_to(*((moment, state) if found else (end, there)))
         return found
 
     def first_overlong(self, taken: int, usual: float) -> tuple[int, float] | None:
         """The first step that was too long, of so many from where the integrator stands; those that
         are longer than the ``usual``, or grow fast, are looked at, more and more of them at a
         time."""
-        ta, end, most = self.integrator, float(self.grid[-1]), FIRST_LOOK
+        ta, most = self.integrator, FIRST_LOOK
         before, held = 0.0, dict[int, TaylorStep]()
         for k in range(taken):
             begin = ta.time
-            length = ta.step(max_delta_t=end - begin, write_tc=True)[1]
+            length = ta.step(max_delta_t=self.end - begin, write_tc=True)[1]
             if abs(length) > min(GROWTH * before, usual):
                 held[k] = TaylorStep(length, begin, ta.tc.copy())
             before = abs(length)
@@ -505,35 +448,35 @@ class _Drive:
         # points cost when they are handed over, and again when they are passed
         self.ahead = min(max(4 * points, FEW), AHEAD)
 
-    def halt(self, reason: str) -> Termination:
-        """Where the integrator stands, as the end of the run."""
-        return Termination(reason, self.integrator.time, self.winding.whole(self.integrator.state))
-
-    def advance(self, size: int) -> tuple[Any, int, np.ndarray]:
-        """One chunk of steps towards, or along, the rest of the grid; new rows of it."""
-        standing, done = self.integrator.time, self.done
+    def go_on(self, size: int) -> tuple[Any, int, np.ndarray]:
+        """One chunk of steps towards the end, with ``output`` where the motion within each is asked
+        for, else along the rest of the grid: new rows of it."""
+        ta, standing, done = self.integrator, self.integrator.time, self.done
         self.machine.hints.clear()
         self.series.clear()
+        self.output, none = None, np.empty((0, len(self.problem.start)))
         limits = {"max_steps": size, "max_delta_t": self.opening} | self.callback
         if self.is_followed:
-            outcome, _, self.longest, steps, _, _ = self.integrator.propagate_until(
-                self.grid[-1], write_tc=True, **limits
+            outcome, _, self.longest, taken, _, _ = ta.propagate_until(
+                self.end, write_tc=True, **limits
             )
-            if not self.series:
-                self.output = None
-                return outcome, steps, np.empty((0, len(self.problem.start)))
-            ends, _, series = zip(*self.series, strict=True)
-            times = np.array([standing, *ends])
-            self.output = _TaylorSteps(times, np.array(series), self.winding.now())
-            return outcome, steps, self.sample(self.output)
+            if self.series:
+                ends, lengths, series = self.steps_taken()
+                times, winding = np.array([standing, *ends]), self.winding.now()
+                self.output = _TaylorSteps(times, lengths, series, winding)
+            return outcome, taken, none
         # the integrator wants its grid to begin where it stands
         if standing == self.grid[done]:
             points, known = self.grid[done : done + self.ahead], 0
         else:
             points, known = self.grid[done - 1 : done + self.ahead].copy(), 1
             points[0] = standing
-        outcome, _, self.longest, steps, _, rows = self.integrator.propagate_grid(points, **limits)
-        return outcome, steps, rows[known:]
+        outcome, _, self.longest, taken, _, rows = ta.propagate_grid(points, **limits)
+        return outcome, taken, rows[known:]
+
+    def steps_taken(self) -> tuple[np.ndarray, ...]:
+        """Ends (s,), lengths (s,) and coefficients (s, n, order + 1) of steps."""
+        return tuple(map(np.array, zip(*self.series, strict=True)))
 
     @property
     def is_followed(self) -> bool:
@@ -551,86 +494,33 @@ class _Drive:
         their ends are asked for, or states may leave their units; where events may stop the run,
         the chunk ends."""
         hints, kept = self.machine.hints, self.is_sampled or self.is_followed
+        listed = kept or self.problem.marked
 
-        def has_ended(integrator: Any) -> bool:
-            if self.problem.marked:
-                self.ends.append(integrator.time)
-            if kept:
-                self.series.append((integrator.time, integrator.last_h, integrator.tc.copy()))
-            return not hints and (not self.winding.scaled or self.winding.fits(integrator.state))
+        def has_ended(ta: Any) -> bool:
+            if listed:
+                self.series.append((ta.time, ta.last_h, ta.tc.copy() if kept else None))
+            return not hints and (not self.winding.scaled or self.winding.fits(ta.state))
 
-        needed = self.problem.marked or self.winding.scaled or kept
-        return {"callback": has_ended} if needed else {}
-
-    def take_samples(self, taken: int) -> None:
-        """Sample the steps of the chunk, whose states nothing was taken out of since, up to that in
-        which it stopped."""
-        if self.is_sampled and self.series:
-            ends, lengths, series = map(np.array, zip(*self.series[:taken], strict=True))
-            if self.log.stopped:  # the last step leads beyond what stops the run
-                lengths[-1] -= ends[-1] - self.log.last[0]
-                ends[-1] = self.log.last[0]
-            times, states = series_samples(ends, lengths, series)
-            self.samples.append((times, self.winding.whole(states)))
-
-    def sample(self, output: _TaylorSteps) -> np.ndarray:
-        """Rows of the grid that dense output covers, in the units of the integrator."""
-        if self.problem.dense:
-            self.segments.append(output)
-        order = np.sign(self.grid[-1] - self.grid[0])
-        end = np.searchsorted(order * self.grid, order * output.times[-1], side="right")
-        rows = output.states(self.grid[self.done : end])
-        whole = np.isfinite(rows).all(axis=1)
-        return rows if whole.all() else rows[: int(np.argmin(whole))]
-
-    def last_good(self, time: float, state: np.ndarray, taken: int) -> Termination:
-        """The last step before the state broke, found by going over the last chunk again."""
-        ta = self.integrator
-        ta.time, ta.state[:] = time, state
-        step = ta.step if self.grid[-1] >= self.grid[0] else ta.step_backward
-        halt = self.halt(INFINITE)
-        for _ in range(taken + 1):
-            step()
-            if not (np.isfinite(ta.state).all() and np.isfinite(ta.time)):
-                break
-            halt = self.halt(INFINITE)
-        return halt
-
-    def result(self, halt: Termination | None = None, interrupted: bool = False) -> Run:
-        t, states = self.grid[: self.done], np.vstack(self.rows)[: self.done]
-        time, state = self.log.last if self.log.stopped else self.standing
-        order = 1.0 if self.grid[-1] >= self.grid[0] else -1.0
-        kept = self.log.stopped or (interrupted and self.idle >= DISTANT)
-        if kept and order * time > order * t[-1]:
-            t, states = np.append(t, time), np.vstack([states, state])
-        run = Run(
-            t.copy(), states, self.steps, self.steps,
-            self.log.arrays(self.problem.events, float), halt, interrupted, self.log.stopped,
-            _join_stretches(self.segments, states) if self.problem.dense else None,
-            ends=tuple(self.ends), samples=StepSamples.of(self.samples), notes=self.log.notes,
-        )  # fmt: skip
-        return cut_at_singularity(run, self.problem)
+        return {"callback": has_ended} if self.winding.scaled or listed else {}
 
 
 @dataclass(frozen=True)
 class _TaylorSteps:
-    """Dense output of steps: the ``times`` (s + 1,) at which they begin and end, their Taylor
-    coefficients ``tcs`` (s, n, order + 1), and what was taken out of the states.  That of heyoka is
-    compiled anew for each chunk of steps, which takes as long as to keep these of a thousand."""
+    """Dense output of steps: the ``times`` (s + 1,) at which they begin and end, their ``lengths``
+    (s,), Taylor coefficients ``tcs`` (s, n, order + 1), and what was taken out of the states.  That
+    of heyoka is compiled anew for each chunk of steps, which takes as long as to keep these of a
+    thousand."""
 
     times: np.ndarray
+    lengths: np.ndarray
     tcs: np.ndarray
     winding: TurnCount
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        return self.winding.whole(self.states(times))
-
-    def states(self, times: np.ndarray) -> np.ndarray:
-        """States (k, n) as the integrator has them, at times (k,)."""
         order = 1.0 if self.times[-1] >= self.times[0] else -1.0
         step = np.searchsorted(order * self.times[1:-1], order * np.asarray(times), side="right")
         powers = (times - self.times[step])[:, None] ** np.arange(self.tcs.shape[2])
-        return np.asarray((self.tcs[step] @ powers[:, :, None])[:, :, 0])
+        return self.winding.whole((self.tcs[step] @ powers[:, :, None])[:, :, 0])
 
     def looks(self) -> np.ndarray:
         """The states at the ``times`` of a ``StepCourse``."""
@@ -638,12 +528,13 @@ class _TaylorSteps:
         inner = states[:, :-1].reshape(-1, states.shape[2])
         return self.winding.whole(np.concatenate([inner, states[-1, -1:]]))
 
-
-def _join_stretches(segments: list[Any], states: np.ndarray) -> Any:
-    """States at any times, from the stretches of dense output in turn."""
-    ends = [s.times[-1] for s in segments]
-    order = 1.0 if not ends or ends[-1] >= segments[0].times[0] else -1.0
-    return lambda times: in_parts(ends, order, segments, times, states)
+    def samples(self, count: int, last: float) -> tuple[np.ndarray, np.ndarray]:
+        """Samples of so many steps, up to a time in the last one."""
+        ends, lengths = self.times[1 : count + 1].copy(), self.lengths[:count].copy()
+        lengths[-1] -= ends[-1] - last
+        ends[-1] = last
+        times, states = series_samples(ends, lengths, self.tcs[:count])
+        return times, self.winding.whole(states)
 
 
 ROOM = 24 * 2**20

@@ -65,7 +65,8 @@ class Problem:
     start. Parameters that are ``changing`` are those of the start.  ``marked`` asks for the ends of
     steps.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
-    Functions of events that are ``apart`` are not integrated beside the states.
+    Functions of events that are ``apart`` are not integrated beside the states; of others what
+    bends is, or, where they alone tell a time, the ``whole``.
     ``measured`` are quantities that controllers are told besides the states.
     """
 
@@ -85,6 +86,7 @@ class Problem:
     marked: bool = False
     units: np.ndarray | None = None
     apart: frozenset[str] = frozenset()
+    whole: bool = False
     measured: Program | None = None
 
     @property
@@ -153,12 +155,14 @@ class StallDetector:
     They lead nowhere where many of them cover next to nothing, and where too many are left: at the
     best pace p of the last half of N steps, which fades as N^-a, the way d that is left takes
     N (1 + (1 - a) d/(p N))^(1/(1 - a)) steps, or N exp(d/(p N)) where a = 1.  That is looked at
-    whenever their number has doubled, beyond ``looked``.
+    whenever their number has doubled, beyond ``looked``.  Next to nothing is a part ``crawl`` of
+    the span for ``WINDOW`` steps.
     """
 
     start: Any
     end: float
     looked: int = field(default_factory=lambda: LONG)
+    crawl: float = field(default_factory=lambda: CRAWL)
     marks: tuple[float, int] = field(init=False)
     time: float = field(init=False)
     steps: int = 0
@@ -179,7 +183,7 @@ class StallDetector:
         if steps - marked >= WINDOW:
             self.marks, pace = (time, steps), abs(time - mark) / (steps - marked)
             self.fastest = max(self.fastest, pace)
-            if marked and pace * WINDOW <= CRAWL * abs(self.end - float(self.start)):
+            if marked and pace * WINDOW <= self.crawl * abs(self.end - float(self.start)):
                 return self.reason(pace)
         return self.distance(steps, time)
 
@@ -353,25 +357,12 @@ class Ticker:
         self.report(float((time - self.start) / span) if span else 1.0)
 
 
-def cut_at_singularity(run: Run, problem: Problem) -> Run:
-    """The run, cut before the first point of its grid that lies beyond a singular mass matrix."""
-    if problem.suspect is None or len(run.t) < 2:
-        return run
-    found = problem.suspect(run.t.astype(float), run.states.astype(float))
-    if found is None:
-        return run
-    last = max(found, 1)
-    halt = Termination(SINGULAR, run.t[last - 1], run.states[last - 1], singular=True)
-    kept = until(run.crossings, run.t[0], halt.time)
-    return replace(run, t=run.t[:last], states=run.states[:last], crossings=kept, halt=halt)
-
-
 def restart(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.ndarray], Run]:
-    """A problem's stepper as it goes on from any state (n,) on times (k,), cut in the same way."""
+    """A problem's stepper as it goes on from any state (n,) on times (k,)."""
 
     def run(state: np.ndarray, times: np.ndarray) -> Run:
         problem.start[:] = state
-        return cut_at_singularity(solver(times), problem)
+        return solver(times)
 
     return run
 

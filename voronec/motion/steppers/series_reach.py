@@ -79,7 +79,7 @@ def reach(integrator: Any, field: Field, taken: float, parts: int = 1) -> float:
     Its defect is looked at where so many ``parts`` of it end.
     """
     coefficients, tol = integrator.tc.copy(), integrator.tol
-    length = _coefficients_reach(coefficients, taken, tol)
+    length = float(_lanes_reach(coefficients[:, :, None], np.array([taken]), tol)[0])
     if length < np.inf or not taken or (parts == 1 and _leads_on(integrator, coefficients, taken)):
         return length
     begin = np.array([integrator.time - taken])
@@ -125,19 +125,9 @@ def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
         return bool(missed <= integrator.tol**BLIND * size)
 
 
-def _coefficients_reach(coefficients: np.ndarray, taken: float, tol: float) -> float:
-    """How far a step may reach by the latter half of the coefficients (n, order + 1): the radius of
-    convergence that each suggests, times tol^(1/order)."""
-    sizes = np.abs(coefficients).max(axis=0).tolist()
-    scale, order = max(1.0, sizes[0]), len(sizes) - 1
-    later = ((k, sizes[k] / scale) for k in range(order // 2, order + 1))
-    radii = [size ** (-1.0 / k) for k, size in later if size > 0]
-    length = min(radii, default=np.inf) * tol ** (1.0 / order)
-    return float(length if abs(taken) > SPARSE * length else np.inf)
-
-
 def _lanes_reach(coefficients: np.ndarray, taken: np.ndarray, tol: float) -> np.ndarray:
-    """How far several steps (k,) may reach, with coefficients (n, order + 1, k)."""
+    """How far steps (k,) may reach by the latter half of their coefficients (n, order + 1, k): the
+    radius of convergence that each suggests, times tol^(1/order)."""
     sizes = np.abs(coefficients).max(axis=0)
     sizes = sizes / np.fmax(1.0, sizes[0])
     order = len(sizes) - 1

@@ -43,11 +43,12 @@ class IntegratorFailure(Exception):
 
 @dataclass(frozen=True)
 class Stride:
-    """One accepted step, with its dense output: times (k,) to states (k, n).
+    """One accepted step, or several, with dense output: times (k,) to states (k, n).
 
     ``slopes`` are the states and rates at both ends, where they are known at no cost.  ``up_to``
     takes a method of stages up to an earlier instant alone: stages of the whole step, and the dense
-    output made of them, look beyond it.
+    output made of them, look beyond it.  Several steps have ``inner`` ends (s - 1,), ``looks`` as a
+    ``StepCourse`` has them, and give ``samples`` of so many of them, up to a time in the last.
     """
 
     start: Any
@@ -56,11 +57,14 @@ class Stride:
     at: Callable[[np.ndarray], np.ndarray]
     slopes: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
     up_to: Callable[[float], Stride] | None = None
+    inner: Sequence[float] = ()
+    looks: Callable[[], np.ndarray] | None = None
+    samples: Callable[[int, Any], tuple[np.ndarray, np.ndarray] | None] | None = None
 
     def course(self, before: np.ndarray | None = None) -> StepCourse:
         """The step as events are looked for on it."""
-        ends = np.array([self.start, self.end], dtype=self.state.dtype)
-        return StepCourse(ends, self.at, before)
+        ends = np.array([self.start, *self.inner, self.end], dtype=self.state.dtype)
+        return StepCourse(ends, self.at, before, self.looks)
 
 
 @dataclass(frozen=True)
@@ -68,15 +72,15 @@ class Segment:
     """Accepted ``steps`` in which nothing happens, up to the time ``end`` and a state (n,) there.
 
     ``rows`` (k, n) are the states at the next points of the grid.  Where a problem asks for ends
-    of steps, ``times`` (s,) and ``states`` (s, n) are these; where it asks for dense output,
-    ``strides`` are the steps; ``samples`` are those that were taken.
+    of steps, ``times`` (s,) and ``states`` (s, n), or none of these, are there; where it asks for
+    dense output, ``strides`` are the steps; ``samples`` are those that were taken.
     """
 
     steps: int
     rows: np.ndarray
     end: float
     state: np.ndarray
-    times: np.ndarray
+    times: Sequence[float]
     states: np.ndarray
     strides: Sequence[Stride]
     samples: tuple[np.ndarray, np.ndarray] | None = None
@@ -112,9 +116,13 @@ def level_function(problem: Problem) -> Levels:
     return function
 
 
-def march(problem: Problem, grid: np.ndarray, stepper: Stepper, levels: Levels) -> Run:
-    """The run over a grid."""
-    return _March(problem, grid, stepper, levels).run()
+def march(
+    problem: Problem, grid: np.ndarray, stepper: Stepper, levels: Levels,
+    stall: StallDetector | None = None,
+) -> Run:  # fmt: skip
+    """The run over a grid, by default with the usual patience."""
+    stall = stall or StallDetector(grid[0], float(grid[-1]))
+    return _March(problem, grid, stepper, levels, stall).run()
 
 
 @dataclass
@@ -123,6 +131,7 @@ class _March:
     grid: np.ndarray
     stepper: Stepper
     levels: Levels
+    stall: StallDetector
     log: Log = field(init=False)
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
@@ -154,7 +163,6 @@ class _March:
 
     def run(self) -> Run:
         ticker = Ticker(self.problem.progress, float(self.grid[0]), float(self.grid[-1]))
-        stall = StallDetector(self.grid[0], float(self.grid[-1]))
         try:
             while self.done < len(self.grid) and not self.log.stopped:
                 try:
@@ -165,12 +173,11 @@ class _March:
                 if isinstance(stride, Segment):
                     self.pass_over(stride)
                 else:
-                    self.steps += 1
                     self.take(stride)
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if reason := stall.failure(self.steps, self.last.time):
+                if reason := self.stall.failure(self.steps, self.last.time):
                     return self.result(replace(self.last, reason=reason))
         except ControllerFailure as failure:
             return self.result(replace(self.last, reason=str(failure), mend=MEND))
@@ -179,7 +186,7 @@ class _March:
         return self.result(self.singular())
 
     def take(self, stride: Stride) -> None:
-        """Enter a step: crossings in it, then points of the grid up to the one that stops."""
+        """Enter steps: crossings in them, then points of the grid up to the one that stops."""
         end = stride.end
         near = self.near(stride)
         fine = {
@@ -192,19 +199,15 @@ class _March:
             self.log.enter_all(found, stride.at)
             end = self.log.last[0] if self.log.stopped else stride.end
         reached = self.count_until(end)
-        self.idle += 1
-        if reached > self.done:
-            self.idle = 0
-            new = slice(self.done, reached)
-            self.states[new] = stride.at(self.grid[new])
-            self.suspect(self.grid[new], self.states[new])
-            self.done = reached
-        self.sampler.take(stride.start, end, stride.at)
-        if self.problem.dense:
-            self.strides.append(stride)
-        if self.problem.marked:
-            self.ends.append(float(stride.end))
-        self.last = Termination(COLLAPSE, stride.end, stride.state)
+        ends = [t for t in stride.inner if self.order * t < self.order * end] + [float(end)]
+        ahead, none = self.grid[self.done : reached], self.states[:0]
+        rows = stride.at(ahead) if len(ahead) else none
+        kept = [stride] if self.problem.dense else []
+        samples = None if stride.samples is None else stride.samples(len(ends), end)
+        last = stride.end, stride.state
+        self.pass_over(Segment(len(ends), rows, *last, ends, none, kept, samples))
+        if stride.samples is None:
+            self.sampler.take(stride.start, end, stride.at)
         self.suspect(np.array([stride.end]), stride.state[None, :])
 
     def count_until(self, time: Any) -> int:
@@ -247,7 +250,7 @@ class _March:
     def suspect(self, times: np.ndarray, states: np.ndarray, every: int = 1) -> None:
         """Have the mass matrices at times (k,) and states (k, n) looked at, before long: one of so
         many, and all where one of these is singular, or lies beyond one that is."""
-        if self.problem.suspect is not None and len(times):
+        if self.problem.suspect is not None and len(states):
             self.recent.append((times, states, every))
             self.unseen += len(times)
 
@@ -263,7 +266,7 @@ class _March:
         if segment.samples is not None:
             self.sampler.rows.append(segment.samples)
         if self.problem.marked:
-            self.ends += segment.times.tolist()
+            self.ends += segment.times
         self.last = Termination(COLLAPSE, segment.end, segment.state)
 
     def near(self, stride: Stride) -> np.ndarray:
