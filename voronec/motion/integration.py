@@ -51,7 +51,7 @@ from voronec.motion.singular_denominators import (
 )
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Integrator, Problem, Run, Signals, Termination, constants_along
-from voronec.motion.tolerances import EXACT
+from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
 from voronec.motion.transitions import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
@@ -131,7 +131,7 @@ class MotionRequest:
             self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
             outputs=(*self.outputs, *formulation.home_names), start_data=given,
             functions={n: e.xreplace(namespace.inputs) for n, e in self.functions.items()},
-            tol=min(self.tol, max(NEAR * self.tol, EXACT)),
+            tol=min(self.tol, max(NEAR * self.tol, FINEST)),
         )  # fmt: skip
         ways = (there.in_smallest, there.otherwise, there.on_coordinates)
         try:
