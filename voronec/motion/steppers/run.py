@@ -66,7 +66,8 @@ class Problem:
     steps.
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states.
-    ``measured`` are quantities that controllers are told besides the states.
+    ``measured`` are quantities that controllers are told besides the states; ``conditions``
+    functions that vanish along the motion.
     """
 
     program: Program
@@ -86,6 +87,7 @@ class Problem:
     units: np.ndarray | None = None
     apart: frozenset[str] = frozenset()
     measured: Program | None = None
+    conditions: tuple[Any, ...] = ()
 
     @property
     def is_rough(self) -> bool:
