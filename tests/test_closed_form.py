@@ -261,7 +261,7 @@ REFUSED = {
     "a pole of the coordinates": ({"u": 0}, {}),
     "singular for R1 = -1": ({}, {"R1": -1}),
     "must be positive": ({}, {"A": -1}),
-    "is not finite": ({"s": math.nan}, {}),
+    "is not a real number": ({"s": math.nan}, {}),
     "has no initial value 'w'": ({"w": 1}, {}),
 }
 

@@ -220,6 +220,31 @@ def test_a_snakeboard_passes_with_its_wheels_straight_and_across(method: str) ->
     assert max(run.drift.values()) < 1e-11
 
 
+@pytest.mark.parametrize("steer", [2 * phi, phi / 2, phi + psi, 2 * phi - psi + 1], ids=str)
+def test_a_snakeboard_passes_with_its_wheels_across_however_it_is_steered(steer: sp.Expr) -> None:
+    board = vo.load("snakeboard")
+    (turn, _, _), (x, y), length = board.fibration.base, board.fibration.fibre, sp.Symbol("l")
+    steered = vo.System(
+        name="board", fibration=board.fibration, lagrangian=board.lagrangian,
+        parameters=board.parameters,
+        constraints=tuple(c.xreplace({phi: steer}) for c in board.constraints),
+    )  # fmt: skip
+    rows, idle = implied_rows(vo.derive(steered).definition)
+    assert (len(rows), len(idle)) == (3, 1)
+    across = float((sp.pi / 2 - steer.subs({phi: 0, psi: 0})) / steer.coeff(phi))
+    start = {"phi": across - 0.4, "phidot": 1.0, "psidot": 0.25, "thetadot": 0.2}
+    times = np.linspace(0.0, 1.5, 4)
+    run = vo.integrate(steered, times=times, initial=start)
+    along = sp.cos(turn) * velocity(x) + sp.sin(turn) * velocity(y)
+    regular = (
+        sp.cos(turn) * velocity(y) - sp.sin(turn) * velocity(x),
+        sp.sin(steer) * along + length * sp.cos(steer) * velocity(turn),
+    )
+    first = all_velocities(steered, start)
+    truth = multiplier_motion(replace(steered, constraints=regular), first, times)
+    assert worst(run, truth) < 1e-10
+
+
 @pytest.mark.parametrize("name", ["snakeboard", "veselova-in-rn", "veselova-in-rn@5"])
 def test_constraints_that_are_dependent_at_a_place_imply_others(name: str) -> None:
     d = vo.derive(vo.load(name)).definition
@@ -530,6 +555,27 @@ def blade_circle(time: float) -> tuple[float, float]:
     return x, BLADE_START["y"] - radius * (np.cos(last) - np.cos(first))
 
 
+@pytest.mark.parametrize("method", ["scipy", "heyoka"])
+def test_events_of_velocities_that_friction_holds_happen_once(method: str) -> None:
+    """The blade's speed is 2 - t/5 up to t = 10, and it turns on: zero but for rounding, from then,
+    are its speed, x' and y'."""
+    free, speed = blade(), velocity(x) * sp.cos(phi) + velocity(y) * sp.sin(phi)
+    push = -sp.sign(speed) / 5
+    system = replace(
+        free, name="braked blade", lagrangian=(sum(velocity(q) ** 2 for q in (x, y, phi))) / 2,
+        forces={x: push * sp.cos(phi), y: push * sp.sin(phi)},
+    )  # fmt: skip
+    watched = {"speed": speed, "half": speed - 1, "xdot": velocity(x), "ydot": velocity(y)}
+    run = vo.integrate(
+        system, initial={"phi": 0.5, "phidot": 1.0, "ydot": 2 * np.sin(0.5)}, times=[0, 14],
+        events=tuple(vo.Event(e, name) for name, e in watched.items()), method=method,
+    )  # fmt: skip
+    halves = np.pi * np.arange(1, 7) / 2 - 0.5
+    truth = {"speed": [10], "half": [5], "xdot": [*halves[::2], 10], "ydot": [*halves[1::2], 10]}
+    for name, times in truth.items():
+        assert run.events[name].t == pytest.approx(times, abs=1e-11), name
+
+
 @pytest.mark.parametrize("method", ["scipy", "c", "heyoka"])
 def test_an_ensemble_sees_between_its_instants_that_a_split_fails(method: str) -> None:
     grid = [0.0, 4.404]
@@ -602,6 +648,15 @@ def needle(friction: sp.Expr | int = 0) -> vo.System:
         lagrangian=(Dx**2 + Dy**2 + Dz**2) / 2, constraints=(x * Dy - y * Dz,),
         forces={x: -friction * sp.sign(Dx)},
     )  # fmt: skip
+
+
+def test_a_run_that_ends_where_constraints_are_dependent_says_in_which_state() -> None:
+    start = {"x": -1.0, "y": -0.3, "z": 0.0, "xdot": 1.0, "ydot": 0.3}
+    with pytest.raises(vo.IntegrationError, match="constraints become dependent") as caught:
+        vo.integrate(needle(), initial=start, times=np.linspace(0, 2, 9), method="scipy")
+    time, state = caught.value.time, caught.value.state
+    assert 0.75 < time <= 1.0 and caught.value.trajectory.t[-1] == 0.75
+    assert state == pytest.approx([time - 1, 0.3 * (time - 1), time, 1.0, 0.3], abs=1e-9)
 
 
 @pytest.mark.parametrize("friction", [0, sp.Rational(1, 1000)])

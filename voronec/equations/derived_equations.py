@@ -168,7 +168,8 @@ class DerivedEquations:
         try:
             lean = staged_form(self.raw)
         except EngineLimit:
-            return self.raw.form if self._loses_digits else self.best.form
+            long = self.is_large and self.raw.form.operations > LARGE
+            return self.raw.form if long or self._loses_digits else self.best.form
         if self.is_large:
             return lean
         forms = (lean, self.exact.form) if self.in_normal_form else (lean,)

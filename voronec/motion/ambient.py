@@ -28,7 +28,6 @@ from voronec.algebra.normal import canonical, canonical_for_numbers
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.symbols import plain_name, unused_name, velocity
 from voronec.algebra.sympy_bridge import SymPyBridge
-from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.declaration.charts import Chart
 from voronec.declaration.claims import right_of
@@ -44,8 +43,7 @@ from voronec.errors import EngineLimit, IntegrationError, VoronecError
 from voronec.motion.constraint_geometry import implied_rows
 from voronec.motion.motion_start import InitialState, WideStart
 from voronec.motion.reactions import drift
-from voronec.motion.request import Namespace, StartData
-from voronec.motion.state_probe import INDEFINITE
+from voronec.motion.request import Namespace, StartData, state_names
 from voronec.motion.trajectory import Trajectory
 
 DEPENDENT = "the constraints become dependent"
@@ -65,17 +63,10 @@ class AmbientFormulation:
     beside: Mapping[str, sp.Expr]
     meaning: Mapping[Any, sp.Expr]
 
-    @property
-    def home_names(self) -> tuple[str, ...]:
-        """The coordinates and velocities of home."""
-        system = self.home.system
-        return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
-
     def namespace(self, inputs: Mapping[Any, sp.Expr]) -> Namespace:
         """Names of home, as they are spelled in these variables, with those of its inputs."""
         found = Namespace.of(self.equations, {**inputs, **self.meaning})
-        d = self.home.definition
-        return replace(found, home_definition=replace(d, frame=None, velocities=d.dots))
+        return replace(found, home=self.home)
 
     def start(
         self, namespace: Namespace, given: StartData, outset: InitialState, time: float, bits: int,
@@ -84,7 +75,7 @@ class AmbientFormulation:
         """The start in these variables, in so many ``bits`` where these are not zero: by all
         velocities of the coordinates, or by those of home and of the frame, where they are given or
         where no velocities of coordinates are numbers."""
-        names, values = self.home_names, {**given.scene_initial, **given.initial}
+        names, values = state_names(self.home.system), {**given.scene_initial, **given.initial}
         if outset.notes and outset.framed:  # what was moved is not moved elsewhere
             values = dict(zip(names, outset.state.tolist(), strict=True))
             given = replace(given, scene_initial={}, initial=values)
@@ -106,21 +97,6 @@ class AmbientFormulation:
         found |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
         return replace(given, scene_initial={}, initial=found)
 
-    def check_events(self, functions: Iterable[sp.Expr]) -> None:
-        """Refuse events of velocities where friction may hold these: only those that are given are
-        then zero to the last digit, and the others would pass through zero again and again."""
-        system, form = self.home.system, self.home.raw.form
-        speeds = {*system.velocities, *system.directions, *map(velocity, system.coordinates)}
-        speeds -= {*system.coordinates}
-        seen = {s for e in functions for s in e.free_symbols | e.atoms(sp.Derivative)} & speeds
-        jumps = atoms([*form.force, *(e for _, e in form.stages)], se.sign, se.floor)
-        if seen and any(jump.free_symbols & {*form.velocities} for jump in jumps):
-            raise EngineLimit(
-                f"system '{system.name}': its velocities fail on the way, and events of "
-                f"velocities, as '{plain_name(min(seen, key=str))}', are not found then where "
-                "friction may hold them; give a frame that is one all along the motion"
-            )
-
     def to_home(self, found: Trajectory, outputs: tuple[str, ...]) -> Trajectory:
         """A trajectory in these variables as one of the system, with the outputs asked for."""
         events = {name: self._own_state(rows) for name, rows in found.events.items()}
@@ -131,8 +107,6 @@ class AmbientFormulation:
             outputs=outputs,
             events=MappingProxyType(events),
             within=None if within is None else lambda t: self.to_home(within(t), outputs),
-            # the sums of idle reactions have negative inertia
-            notes=tuple(note for note in found.notes if note != INDEFINITE),
         )
 
     def failure(self, error: IntegrationError, outputs: tuple[str, ...]) -> IntegrationError:
@@ -144,15 +118,16 @@ class AmbientFormulation:
             f"system '{self.home.system.name}': {reason} after t = {float(error.time):.12g}; end "
             "the run before that, or use another chart",
             error.time,
-            None,
+            error.state,
             replace(found, halted=reason),
         )
 
     def _own_state(self, rows: Any) -> Any:
         """A trajectory, or crossings, with the state of home."""
-        state = np.stack([rows[n] for n in self.home_names], axis=-1)
+        names = state_names(self.home.system)
+        state = np.stack([rows[n] for n in names], axis=-1)
         state.flags.writeable = False
-        return replace(rows, names=self.home_names, state=state)
+        return replace(rows, names=names, state=state)
 
 
 def _exactly(value: Any) -> Any:

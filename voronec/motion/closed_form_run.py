@@ -25,7 +25,7 @@ from voronec.motion.closed_form import closed_form_of_start
 from voronec.motion.motion_start import InitialState
 from voronec.motion.numeric_model import whole
 from voronec.motion.observables import ObservedQuantities, watch_of
-from voronec.motion.request import Namespace, StartData
+from voronec.motion.request import Namespace, StartData, state_names
 from voronec.motion.state_probe import quantities
 from voronec.motion.tolerances import EXACT
 from voronec.motion.trajectory import Cost, LateTrajectory, Trajectory, make_trajectory
@@ -121,10 +121,9 @@ class _ClosedSight:
     tol: float
 
     @cached_property
-    def names(self) -> list[str]:
+    def names(self) -> tuple[str, ...]:
         """Of the states, in their order."""
-        system = self.namespace.equations.system
-        return [plain_name(q) for q in (*system.coordinates, *system.velocities)]
+        return state_names(self.namespace.equations.system)
 
     @property
     def is_plain(self) -> bool:
@@ -149,7 +148,7 @@ class _ClosedSight:
             return replace(self.observe(t, states, cost), notes=(*self.outset.notes, *notes))
 
         return LateTrajectory.of(
-            everything, system=system, t=t, names=tuple(self.names), outputs=self.watch.outputs,
+            everything, system=system, t=t, names=self.names, outputs=self.watch.outputs,
             series=MappingProxyType(found), events={}, cost=cost,
             parameters=MappingProxyType(known),
         )  # fmt: skip

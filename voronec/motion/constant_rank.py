@@ -7,12 +7,15 @@ gamma3 Omega12 - gamma2 Omega13 + gamma1 Omega23 = 0, which every motion through
 continuity.  So are the two of a snakeboard where cos(phi) = 0.  With such constraints beside them
 the rank is the same there as elsewhere.
 
-Places at which a coordinate, or the sine or the cosine of an angle, vanishes are looked at.
+Places at which a coordinate vanishes are looked at, and such at which the sine or the cosine of an
+angle does: of a coordinate, or of a sum a = k q + b that stands under one, with a number k.  There
+q is replaced by (q - b)/k, so that a is called q.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import symengine as se
@@ -39,36 +42,80 @@ def with_implied_rows(
     which ``relations`` vanish.
     """
     found, idle = [*rows], list[Row]()
-    for factor, place, letters, known in _places(rows, coordinates) if rows else ():
-        there = [r.xreplace(letters) for r in relations] + known
-        near = [[se.sympify(e).xreplace(place) for e in row] for row in rows]
-        onto = [r for r in (r.xreplace(place) for r in relations) if r.free_symbols]
+    for place in _places(rows, coordinates) if rows else ():
+        turned = [[place.rename(e) for e in row] for row in rows]
+        ideal = [place.rename(r) for r in relations]
+        near = [[e.xreplace(place.values) for e in row] for row in turned]
+        onto = [r for r in (r.xreplace(place.values) for r in ideal) if r.free_symbols]
         if len(kept := generic_rows(near, onto)) == len(rows):
             continue
-        width, flat = len(rows[0]), canonical([e for row in rows for e in row])
+        width, flat = len(rows[0]), canonical([e for row in turned for e in row])
+        if not place.is_plain(flat):
+            continue
         short = [flat[k : k + width] for k in range(0, len(flat), width)]
-        columns = [[e.xreplace(letters) for e in column] for column in zip(*short, strict=True)]
-        back = {value: side for side, value in letters.items() if value == SIDE}
+        columns = [[e.xreplace(place.letters) for e in part] for part in zip(*short, strict=True)]
+        there = [r.xreplace(place.letters) for r in ideal] + place.known
         for vector in null_vectors(columns, kept, there):
-            sums = [e.xreplace(back) for e in without_denominators(vector, there)]
-            new = canonical([dot(sums, column) / factor for column in zip(*short, strict=True)])
+            sums = [e.xreplace(place.back) for e in without_denominators(vector, there)]
+            new = canonical([dot(sums, part) / place.factor for part in zip(*short, strict=True)])
             if all(quotient(e)[1].is_Number for e in new):
-                idle.append((*sums, *([se.Integer(0)] * (len(found) - len(rows))), -factor))
-                found.append(new)
+                whole = [*sums, *([se.Integer(0)] * (len(found) - len(rows))), -place.factor]
+                idle.append([place.spell(e) for e in whole])
+                found.append([place.spell(e) for e in new])
     return found, [(*row, *([se.Integer(0)] * (len(found) - len(row)))) for row in idle]
 
 
-def _places(
-    rows: Sequence[Row], coordinates: Sequence[Any]
-) -> Iterator[tuple[Any, dict[Any, Any], dict[Any, Any], list[Any]]]:
-    """What vanishes at a place, where that is, its letters there, and relations between these."""
+@dataclass(frozen=True)
+class _Place:
+    """Where a ``factor`` vanishes: the sine or the cosine of what a ``coordinate`` is called there,
+    or the coordinate itself.  ``values`` are those of it, ``letters`` of its sine and cosine, with
+    relations ``known`` between these; ``name`` is what is called so in the user's coordinates, and
+    ``old`` the coordinate then."""
+
+    factor: Any
+    coordinate: Any
+    values: Mapping[Any, Any]
+    letters: Mapping[Any, Any]
+    known: list[Any]
+    name: Any
+    old: Any
+
+    def rename(self, expr: Any) -> Any:
+        """An expression in the user's coordinates as one in those of the place."""
+        if self.name == self.coordinate:
+            return se.sympify(expr)
+        return se.expand(se.sympify(expr).xreplace({self.coordinate: self.old}))
+
+    def spell(self, expr: Any) -> Any:
+        """An expression in the coordinates of the place as one in the user's."""
+        return expr.xreplace({self.coordinate: self.name})
+
+    @property
+    def back(self) -> dict[Any, Any]:
+        """The sine or the cosine that the side is the value of."""
+        return {value: side for side, value in self.letters.items() if value == SIDE}
+
+    def is_plain(self, exprs: Sequence[Any]) -> bool:
+        """Whether the coordinate stands alone under sines and cosines, so that letters take the
+        place of all of these."""
+        arguments = {f.args[0] for f in atoms(exprs, se.sin, se.cos)}
+        return all(a == self.coordinate or self.coordinate not in a.free_symbols for a in arguments)
+
+
+def _places(rows: Sequence[Row], coordinates: Sequence[Any]) -> Iterator[_Place]:
     exprs = [se.sympify(e) for row in rows for e in row]
-    turned = set().union(*(f.free_symbols for f in atoms(exprs, se.sin, se.cos)))
+    arguments = {f.args[0] for f in atoms(exprs, se.sin, se.cos)}
+    turned = set().union(*(a.free_symbols for a in arguments))
     held, zero = set().union(*(e.free_symbols for e in exprs)), se.Integer(0)
     for q in coordinates:
-        sine, cosine = se.sin(q), se.cos(q)
-        if q in turned:
-            yield sine, {q: zero}, {sine: zero, cosine: SIDE}, [SIDE**2 - 1]
-            yield cosine, {q: se.pi / 2}, {cosine: zero, sine: SIDE}, [SIDE**2 - 1]
-        elif q in held:
-            yield q, {q: zero}, {q: zero}, []
+        if q in held - turned:
+            yield _Place(q, q, {q: zero}, {q: zero}, [], q, q)
+    alone = [q for q in coordinates if q in turned]
+    for angle in (*alone, *sorted(arguments - {*alone}, key=str)):
+        slopes = [(q, angle.diff(q)) for q in alone]
+        for q, k in [(q, k) for q, k in slopes if k != 0 and k.is_Number][:1]:
+            old, sine, cosine = se.expand((q - angle) / k + q), se.sin(q), se.cos(q)
+            known = [SIDE**2 - 1]
+            yield _Place(sine, q, {q: zero}, {sine: zero, cosine: SIDE}, known, angle, old)
+            letters = {cosine: zero, sine: SIDE}
+            yield _Place(cosine, q, {q: se.pi / 2}, letters, known, angle, old)

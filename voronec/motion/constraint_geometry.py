@@ -32,6 +32,7 @@ from voronec.equations.program import Program, compile_program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.motion.constant_rank import Row, with_implied_rows
+from voronec.motion.initial_conditions import Relations
 from voronec.motion.reactions import conditions_of
 from voronec.motion.singular_denominators import (
     DIGITS,
@@ -313,7 +314,7 @@ class ConstraintGeometry:
         kept: dict[Any, Any] = self.home.system.memo.once("divisors", dict)
         moving = tuple(map(se.Symbol, self._changing_names))
         every = (f for f in divisors(form, moving) if f not in self._others)
-        left = (without_factors(f, self._poles) for f in every)
+        left = (without_factors(f, pole_factors(self.home)) for f in every)
         found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         if rough:
             found = [f for f in found if not f.free_symbols & {*form.velocities}]
@@ -330,17 +331,8 @@ class ConstraintGeometry:
         slopes = (d.lagrangian.diff(x) for x in (*d.coordinates, *d.dots))
         return self.home.memo.once(
             "divisors in all velocities",
-            lambda: {*self._poles, *bases((d.lagrangian, *slopes, *d.forces))},
+            lambda: {*pole_factors(self.home), *bases((d.lagrangian, *slopes, *d.forces))},
         )
-
-    @cached_property
-    def _poles(self) -> tuple[Any, ...]:
-        """The factors of what vanishes where declared charts begin, each once."""
-        found: dict[Any, None] = {}
-        for chart in self.home.system.charts.values():
-            inside = self.home.definition.bridge.inward(chart.singular)
-            found |= dict.fromkeys(factors_of(inside))
-        return tuple(found)
 
     def _crossing_divisors(
         self, found: list[Any], form: FirstOrderForm, below: Program, start: np.ndarray
@@ -381,37 +373,34 @@ class ConstraintGeometry:
         form = self.home.raw.form
         if not form.relations:
             return places
-        m, n, count = len(form.relations), len(form.coordinates), places.shape[1]
-        slopes = [r.diff(q) for r in form.relations for q in form.coordinates]
-        program = quantities(form, {str(i): e for i, e in enumerate((*form.relations, *slopes))})
-        moved, values = places.copy(), self.values(program, self.time)
-        still = [0.0] * len(form.velocities)
+        n, moved = len(form.coordinates), places.copy()
+        relations = Relations.of(form, self.at(self.time), self.time)
         for _ in range(NEWTON):
-            flat = numbers(program, self.time, [*moved[:n], *still], values)
-            rows = np.array([np.broadcast_to(x, (count,)) for x in flat], dtype=float).T
-            off, steep = rows[:, :m, None], rows[:, m:].reshape(count, m, n)
-            good = np.isfinite(rows).all(axis=1)
-            steep = np.where(good[:, None, None], steep, 0.0)
-            moved[:n] -= (np.linalg.pinv(steep) @ np.where(good[:, None, None], off, 0.0))[..., 0].T
-        there = good & (np.abs(rows[:, :m]).max(axis=1) < ON_RELATIONS)
-        return moved[:, there]
+            off, slopes = relations.evaluate(moved[:n])
+            good = np.isfinite(off).all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
+            steep, left = (np.where(good, x, 0.0).T for x in (slopes, off))
+            moved[:n] -= (np.linalg.pinv(steep.swapaxes(1, 2)) @ left[..., None])[..., 0].T
+        return moved[:, good & (np.abs(off).max(axis=0) < ON_RELATIONS)]
 
-    def sizes(
-        self,
-        program: Program,
-        guards: Sequence[SingularDenominator],
-        state: Any,
+    def is_near_zero(
+        self, form: FirstOrderForm, watched: Sequence[SingularDenominator], state: Any,
         values: Sequence[Any],
-    ) -> list[float]:
-        """Divisors at a state in units of their usual sizes, from their ``divisor_program``."""
-        sizes = numbers(program, self.time, list(state), values)
-        parts = [abs(float(x)) / g.scale for x, g in zip(sizes, guards, strict=True)]
-        return [x if np.isfinite(x) else 0.0 for x in parts]
+    ) -> bool:  # fmt: skip
+        """Whether one of some divisors of a form is near zero at a state."""
+        program = quantities(form, {str(i): d.function for i, d in enumerate(watched)})
+        found = numbers(program, self.time, list(state), values)
+        return any(d.is_near(float(x)) for d, x in zip(watched, found, strict=True))
 
 
-def divisor_program(form: FirstOrderForm, guards: Sequence[SingularDenominator]) -> Program:
-    """A program for some divisors of a form."""
-    return quantities(form, {str(i): g.function for i, g in enumerate(guards)})
+def pole_factors(equations: VoronecEquations) -> tuple[Any, ...]:
+    """The factors of what vanishes where declared charts begin, each once."""
+
+    def make() -> tuple[Any, ...]:
+        charts = equations.system.charts.values()
+        found = (f for c in charts for f in factors_of(equations.bridge.inward(c.singular)))
+        return tuple(dict.fromkeys(found))
+
+    return equations.memo.once("factors of poles", make)
 
 
 def numbers_of_chart(

@@ -41,7 +41,8 @@ DEPENDENT = 1e-10
 
 @dataclass(frozen=True)
 class Relations:
-    """r(q) = 0 at given parameters and time: ``evaluate(q)`` gives r (m,) and dr/dq (m, n)."""
+    """r(q) = 0 at given parameters and time: ``evaluate(q)`` gives r (m,) and dr/dq (m, n), for one
+    q (n,) or for each of several (n, k)."""
 
     evaluate: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
@@ -59,8 +60,8 @@ class Relations:
         def evaluate(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             with np.errstate(all="ignore"):
                 flat: list[Any] = extras(np.float64(time), list(q), values)
-            numbers = np.array(flat, dtype=float)
-            return numbers[:m], numbers[m:].reshape(m, n)
+            numbers = np.array([np.broadcast_to(x, q.shape[1:]) for x in flat], dtype=float)
+            return numbers[:m], numbers[m:].reshape(m, n, *q.shape[1:])
 
         return cls(evaluate)
 

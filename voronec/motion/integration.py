@@ -25,8 +25,7 @@ from voronec.equations.program.python import precision
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion.atlas import NEAR as CHANGE
 from voronec.motion.atlas import kept_charts
-from voronec.motion.constraint_geometry import divisor_program
-from voronec.motion.methods import METHODS, choose, is_exact
+from voronec.motion.methods import HEAVY, METHODS, choose, is_exact
 from voronec.motion.motion_start import FAST, InitialState, WideStart
 from voronec.motion.numeric_model import ProgrammedModel, make_model, whole
 from voronec.motion.observables import ObservedQuantities, evaluate_watch
@@ -46,12 +45,12 @@ from voronec.motion.singular_denominators import (
     NEAR,
     NearSingularDenominator,
     SingularDenominator,
-    guard_events,
-    without_guards,
+    watch_levels,
+    with_events,
 )
 from voronec.motion.state_probe import StateProbe, quantities
 from voronec.motion.steppers import Integrator, Problem, Run, Signals, Termination, constants_along
-from voronec.motion.tolerances import EXACT
+from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost, Crossings, Trajectory, make_trajectory
 from voronec.motion.transitions import through_charts
 from voronec.motion.verify import Breach, SolutionCheck, Untold, require_branches
@@ -116,7 +115,6 @@ class MotionRequest:
         formulation = ambient_formulation(home.equations, reactions)
         if formulation is None:
             raise self._no_velocities()
-        formulation.check_events(self.functions.values())
         namespace = formulation.namespace(home.inputs)
         bits = self._start_bits if is_exact(self.method, self.tol) else 0
         try:
@@ -129,9 +127,8 @@ class MotionRequest:
             self._require_velocities()  # a slip is refused with these
         there = replace(
             self, namespace=namespace, outset=replace(outset, notes=self.outset.notes),
-            outputs=(*self.outputs, *formulation.home_names), start_data=given,
+            outputs=(*self.outputs, *namespace.home_names), start_data=given,
             functions={n: e.xreplace(namespace.inputs) for n, e in self.functions.items()},
-            tol=min(self.tol, max(NEAR * self.tol, EXACT)),
         )  # fmt: skip
         ways = (there.in_smallest, there.otherwise, there.on_coordinates)
         try:
@@ -264,9 +261,11 @@ class MotionRequest:
         times: np.ndarray | None = None,
         near: Any = LAST,
     ) -> Trajectory:
-        whole_way = times is None or times is self.grid
+        whole_way, tol = times is None or times is self.grid, self.tol
+        if self.namespace.home is not None:  # of what is heavy, compiled loops take none finer
+            tol = min(tol, max(NEAR * tol, FINEST if made.program.weight > HEAVY else EXACT))
         job = _Job(
-            self.namespace, made, self.outset, self.grid if times is None else times, self.tol,
+            self.namespace, made, self.outset, self.grid if times is None else times, tol,
             self.events, self.dense, self.progress if whole_way else None,
             None if is_exact(method, self.tol) else near,
         )  # fmt: skip
@@ -304,8 +303,10 @@ class _Job:
         if poles.guard is not None:
             poles.guard.check(state, values, time)
         watched = () if controlled else self._watch_divisors(state, values)
-        if watched:
-            seen = self._under_watch(*seen, watched)
+        levels = watch_levels(watched)
+        if levels:
+            functions = {**seen[1], **levels}
+            seen = with_events(seen[0], made.form, seen[1], levels, stop=True), functions
         if switched is not None and watched:
             switched = self._switching_stepper(method, *seen)
         if switched is not None and switched.corner is not None:
@@ -316,6 +317,8 @@ class _Job:
             )  # fmt: skip
         begun = switched is not None or not (made.model is None and equations.system.charts)
         warned = probe.check(state) if begun else ()
+        if self.namespace.home is not None:
+            warned = ()  # impulses of reactions have no inertia, or negative one
         if switched is not None:
             solver, chosen = switched.solver, switched.chosen
         else:
@@ -324,8 +327,9 @@ class _Job:
         run = solver(self.grid)
         run = replace(run, notes=(*warned, *run.notes)) if warned else run
         run = run if poles.notes is None else poles.notes.with_notes(run)
-        if watched:
-            run = without_guards(run, watched, self.namespace)
+        if run.stopped in levels:
+            raise NearSingularDenominator(self.namespace)
+        run = run.without({*levels})
         run = run if poles.guard is None else poles.guard.without_poles(run)
         made.watch.require_reactions(run.held, equations.system.name)
         cost = Cost(
@@ -336,7 +340,12 @@ class _Job:
         )  # fmt: skip
         trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
-            raise probe.failure(state, halt, trajectory)
+            error = probe.failure(state, halt, trajectory)
+            if self.namespace.home is not None:
+                sight = self._sight(run, values, cost)
+                last = sight.observe(np.array([halt.time]), np.array(halt.state)[None])
+                error.state = np.array([last[name][0] for name in self.namespace.home_names])
+            raise error
         return trajectory
 
     def _outcome(
@@ -363,6 +372,7 @@ class _Job:
             made.program, state, values, self.tol, self.events, made.event_program, self.dense,
             probe.suspect(state), self.progress, self._exact, self.outset.changing,
             marked=bool(made.watch.branches), measured=self._velocities_besides(),
+            conditions=self.namespace.conditions,
         )  # fmt: skip
 
     def _velocities_besides(self) -> Program | None:
@@ -394,21 +404,6 @@ class _Job:
         return through_switching_surfaces(
             method, problem, self.grid, self.made.moving_form, functions
         )
-
-    def _under_watch(
-        self, problem: Problem, functions: Mapping[str, Any], watched: Sequence[SingularDenominator]
-    ) -> tuple[Problem, Mapping[str, Any]]:
-        """The problem with divisors among its events, and the ``functions`` of its events with
-        those of these."""
-        events, levels = guard_events(watched)
-        functions = {**functions, **levels}
-        problem = replace(
-            problem,
-            events=(*problem.events, *events),
-            levels=quantities(self.made.form, functions),
-            coarse=problem.coarse | levels.keys(),
-        )
-        return problem, functions
 
     def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
         """How the states of a run become a trajectory."""
@@ -474,10 +469,7 @@ class _Job:
         found = find() if outset.changing is not None else made.memo.last(
             "divisors", outset.constants_key, find
         )  # fmt: skip
-        if not found:
-            return ()
-        sizes = ground.sizes(divisor_program(form, found), found, state, values)
-        if any(g.is_near(size) for g, size in zip(found, sizes, strict=True)):
+        if ground.is_near_zero(form, found, state, values):
             raise NearSingularDenominator(self.namespace)
         return tuple(found)
 

@@ -177,7 +177,11 @@ class ModeSet:
         """The smooth problem on ``sides`` of all switching surfaces, or along some; None where none
         is there."""
         corner = corners[0]
-        functions = {**corner.functions, **self._levels(corner, sides, along)}
+        events = {  # of what is held, but for the tolerance, nothing is to be seen
+            name: se.Integer(0) if self.modes.stays_zero(e, along) else e
+            for name, e in corner.functions.items()
+        }
+        functions = {**events, **self._levels(corner, sides, along)}
         program, turns = corner.program, {}
         if along:
             below = [None, *along]

@@ -97,13 +97,14 @@ class Modes:
 
     ``cusps`` are radicands that vanish on switching surfaces, as in |x|^(3/2): such a root has no
     Taylor series there, and beyond it is taken of the absolute value, so that a step may look
-    across.
+    across.  ``conditions`` are functions that vanish along every motion.
     """
 
     form: Any
     functions: Mapping[str, Any]
     cusps: frozenset[Any] = frozenset()
     saturated: Any = SATURATION
+    conditions: tuple[Any, ...] = ()
     _corners: list[SmoothBranch] = field(default_factory=list)
     _floors: dict[Switch, Any] = field(default_factory=dict)
     _gauges: dict[Switch, Callable[..., Any]] = field(default_factory=dict)
@@ -111,8 +112,9 @@ class Modes:
 
     @classmethod
     def of(
-        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATION
-    ) -> Modes | None:
+        cls, form: Any, functions: Mapping[str, Any], saturated: Any = SATURATION,
+        conditions: Sequence[Any] = (),
+    ) -> Modes | None:  # fmt: skip
         """The modes of a form; None where it is smooth.  tanh w counts as flat to the rounding in
         force where |w| is greater than ``saturated``."""
         form, functions = without_stages(with_plain_roots(form), functions)
@@ -124,7 +126,7 @@ class Modes:
         exprs = form.expressions
         if not has_switches([*exprs, *functions.values()], still) and not rims(form, exprs):
             return None
-        return cls(form, functions, _cusps(form, exprs), saturated)
+        return cls(form, functions, _cusps(form, exprs), saturated, tuple(conditions))
 
     def floor(self, switch: Switch) -> Any:
         """The parameter that stands for a floor."""
@@ -243,13 +245,15 @@ class Modes:
     def is_held(self, switch: Switch, along: tuple[LevelSurface, ...]) -> bool:
         """Whether a motion along surfaces stays on a switching surface, too, as one that is held by
         two wheels does on that of a third."""
-        if switch in {s.switch for s in along}:
-            return True
-        key = switch, along
+        return switch in {s.switch for s in along} or self.stays_zero(switch.function, along)
+
+    def stays_zero(self, function: Any, along: tuple[LevelSurface, ...]) -> bool:
+        """Whether a function vanishes all along some surfaces."""
+        key = function, along
         if key not in self._held:
-            functions = [s.function for s in along]
+            functions = [*self.conditions, *(s.function for s in along)]
             still = frozenset(self.form.parameters)
-            self._held[key] = bool(along) and _vanishes(switch.function, functions, still)
+            self._held[key] = bool(along) and _vanishes(function, functions, still)
         return self._held[key]
 
     @cached_property

@@ -70,7 +70,8 @@ def rates_at(
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
         found = v
-        for own in (form, equations.form):
+        for normal in (False, True):  # that is derived where it is needed alone
+            own = equations.form if normal else form
             values = [constants.get(str(p), np.nan) for p in own.parameters]
             program = _rates_program(equations, own)
             found = StateProbe(equations.system.name, own, program, values, time).rates(q, v)

@@ -374,17 +374,22 @@ class OutputTerms:
         return {name: self.inward(e) for name, e in self.terms.items()}
 
 
+def state_names(system: System) -> tuple[str, ...]:
+    """The names of the coordinates and velocities of a system."""
+    return tuple(map(plain_name, (*system.coordinates, *system.velocities)))
+
+
 @dataclass(frozen=True)
 class Namespace:
     """Names of one system: coordinates, velocities, parameters; what follows from these, such as
     integrals, invariants, and the dependent velocities and momenta of a group.  Reactions are those
-    of ``home_definition`` where the equations are free of constraints."""
+    of ``home`` where these equations are its own, free of constraints."""
 
     equations: VoronecEquations
     symbols: Mapping[str, sp.Expr]
     claims: Mapping[str, sp.Expr]
     inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
-    home_definition: Definition | None = None
+    home: VoronecEquations | None = None
     memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
 
     @classmethod
@@ -449,7 +454,24 @@ class Namespace:
     @property
     def reaction_definition(self) -> Definition:
         """The definition with the constraints that react."""
-        return self.home_definition or self.equations.definition
+        d = self.equations.definition if self.home is None else self.home.definition
+        return d if self.home is None else replace(d, frame=None, velocities=d.dots)
+
+    @property
+    def home_names(self) -> tuple[str, ...]:
+        """The coordinates and velocities that users know."""
+        return state_names((self.home or self.equations).system)
+
+    @cached_property
+    def conditions(self) -> tuple[Any, ...]:
+        """What vanishes along the motion, where constraints are held by reactions: these, as they
+        are in the velocities of the coordinates or of the group, and what declares others."""
+        if self.home is None:
+            return ()
+        home, own = self.home.definition, self.equations.definition
+        held = (*home.constraints.expressions(home.dots), *own.constraints.expressions(own.dots))
+        frame = () if own.frame is None else own.frame.expressions(own.dots)
+        return (*held, *(e - v for e, v in zip(frame, own.velocities, strict=False)))
 
     @cached_property
     def _reaction_symbols(self) -> tuple[sp.Symbol, ...]:

@@ -17,16 +17,15 @@ import numpy as np
 import symengine as se
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.terms import factors_of
 from voronec.algebra.verdicts import all_vanish
 from voronec.declaration.charts import Chart
 from voronec.equations.attitudes import EulerAngles, angles_without_chart, euler_angles
 from voronec.equations.program import Program, compile_program
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import IntegrationError
-from voronec.motion.constraint_geometry import ConstraintGeometry, numbers_of_chart
+from voronec.motion.constraint_geometry import ConstraintGeometry, numbers_of_chart, pole_factors
 from voronec.motion.numeric_model import ProgrammedModel
-from voronec.motion.request import Guard
+from voronec.motion.singular_denominators import with_events
 from voronec.motion.state_probe import quantities, quiet
 from voronec.motion.steppers import Problem, Run, Termination
 
@@ -64,19 +63,13 @@ class CoordinatePole(NamedTuple):
     @classmethod
     def of_charts(cls, equations: VoronecEquations) -> tuple[CoordinatePole, ...]:
         """Those at which a declared chart of the system begins, for models without charts."""
-
-        def make() -> tuple[CoordinatePole, ...]:
-            charts = equations.system.charts.values()
-            found = {f for c in charts for f in factors_of(equations.bridge.inward(c.singular))}
-            return tuple(
-                cls(angle, value, factor, FINE)
-                for factor in sorted(found, key=str)
-                for angle in (factor.free_symbols if len(factor.free_symbols) == 1 else ())
-                for value in (0.0, np.pi / 2)
-                if abs(float(factor.subs({angle: value}))) < POLE
-            )
-
-        return equations.memo.once("poles of charts", make)
+        return tuple(
+            cls(angle, value, factor, FINE)
+            for factor in sorted(pole_factors(equations), key=str)
+            for angle in (factor.free_symbols if len(factor.free_symbols) == 1 else ())
+            for value in (0.0, np.pi / 2)
+            if abs(float(factor.subs({angle: value}))) < POLE
+        )
 
     @classmethod
     def of_attitudes(cls, triples: Iterable[EulerAngles]) -> tuple[CoordinatePole, ...]:
@@ -119,7 +112,7 @@ class PoleNotes:
 
     def watch(self, problem: Problem, form: Any, functions: Mapping[str, Any]) -> Problem:
         """The problem, with the poles among its events."""
-        return _with_events(problem, form, functions, self.levels) if self.levels else problem
+        return with_events(problem, form, functions, self.levels) if self.levels else problem
 
     def with_notes(self, run: Run) -> Run:
         """The run as if nobody had looked, with a note."""
@@ -130,18 +123,6 @@ class PoleNotes:
         passages = sorted((t for t in times if t != run.t[0]), key=lambda t: order * t)
         run = run.without({*self.levels})
         return replace(run, notes=(*run.notes, *passage_notes(passages)))
-
-
-def _with_events(
-    problem: Problem, form: Any, functions: Mapping[str, Any], levels: Mapping[str, Any], **how: Any
-) -> Problem:
-    """A problem with events at zeros of further functions on its model."""
-    return replace(
-        problem,
-        events=(*problem.events, *(Guard(name, **how) for name in levels)),
-        levels=quantities(form, {**functions, **levels}),
-        coarse=problem.coarse | levels.keys(),
-    )
 
 
 def passage_notes(times: Sequence[float]) -> tuple[str, ...]:
@@ -215,7 +196,7 @@ class PoleGuard:
     def watch(self, problem: Problem, functions: Mapping[str, Any], grid: np.ndarray) -> Problem:
         """The problem, with the poles among its events, whose ``functions`` go by name."""
         order = 1 if grid[-1] >= grid[0] else -1
-        return _with_events(problem, self.form, functions, self.levels, direction=-order, stop=True)
+        return with_events(problem, self.form, functions, self.levels, direction=-order, stop=True)
 
     def without_poles(self, run: Run) -> Run:
         """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and

@@ -20,10 +20,10 @@ to the last digit of a double.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import log2
+from math import inf, log2
 from random import Random
 from typing import Any
 
@@ -36,8 +36,8 @@ from voronec.algebra.graphs import bases
 from voronec.algebra.normal import canonical
 from voronec.equations.program.switches import Sides, is_rough, plain_roots
 from voronec.motion.request import Guard, Namespace
-from voronec.motion.state_probe import usual_size
-from voronec.motion.steppers import Run
+from voronec.motion.state_probe import quantities, usual_size
+from voronec.motion.steppers import Problem
 
 SAMPLES, FEW = 1024, 128
 """So many random places tell whether a function changes its sign, and how large it is: its usual
@@ -79,10 +79,10 @@ class SingularDenominator:
         programs differ little."""
         return round(log2(NEAR * self.scale))
 
-    def is_near(self, size: float) -> bool:
-        """Whether a value, in units of the usual one, is at the level that is watched or below: a
-        motion that starts there does not pass it."""
-        return size * self.scale <= EDGE * 2.0**self.exponent
+    def is_near(self, value: float) -> bool:
+        """Whether a value is at the level that is watched or below, or none: a motion that starts
+        there does not pass it."""
+        return not EDGE * 2.0**self.exponent < abs(value) < inf
 
 
 @lru_cache(maxsize=32)  # it is asked before every run
@@ -233,16 +233,24 @@ def _middle_size(sizes: np.ndarray) -> float:
 # -- watched along a run --------------------------------------------------------------------
 
 
-def guard_events(
-    guards: Sequence[SingularDenominator],
-) -> tuple[tuple[Guard, ...], dict[str, Any]]:
-    """Events that end a run where a divisor comes near zero, and their functions by name."""
-    names = [f"divisor {i} near zero" for i in range(len(guards))]
-    functions = {
-        name: g.function**2 - (se.Integer(2) ** g.exponent) ** 2
-        for name, g in zip(names, guards, strict=True)
+def with_events(
+    problem: Problem, form: Any, functions: Mapping[str, Any], levels: Mapping[str, Any], **how: Any
+) -> Problem:
+    """A problem with events at zeros of further functions on its model, by name."""
+    return replace(
+        problem,
+        events=(*problem.events, *(Guard(name, **how) for name in levels)),
+        levels=quantities(form, {**functions, **levels}),
+        coarse=problem.coarse | levels.keys(),
+    )
+
+
+def watch_levels(watched: Sequence[SingularDenominator]) -> dict[str, Any]:
+    """Functions that vanish where a divisor comes near zero, by the names of events."""
+    return {
+        f"divisor {i} near zero": d.function**2 - (se.Integer(2) ** d.exponent) ** 2
+        for i, d in enumerate(watched)
     }
-    return tuple(Guard(name, 0, stop=True) for name in names), functions
 
 
 class NearSingularDenominator(Exception):
@@ -252,15 +260,6 @@ class NearSingularDenominator(Exception):
     def __init__(self, namespace: Namespace) -> None:
         super().__init__("a divisor comes near zero")
         self.namespace = namespace
-
-
-def without_guards(run: Run, guards: Sequence[SingularDenominator], namespace: Namespace) -> Run:
-    """A run as if nobody had watched; raises ``NearSingularDenominator`` where a divisor came near
-    zero."""
-    names = {event.name for event in guard_events(guards)[0]}
-    if run.stopped in names:
-        raise NearSingularDenominator(namespace)
-    return run.without(names)
 
 
 NEARLY_DEPENDENT = 1e-3

@@ -67,7 +67,8 @@ class Problem:
     ``units`` (n,) are those in which the states are measured, by default their natural ones.
     Functions of events that are ``apart`` are not integrated beside the states; of others what
     bends is, or, where they alone tell a time, the ``whole``.
-    ``measured`` are quantities that controllers are told besides the states.
+    ``measured`` are quantities that controllers are told besides the states; ``conditions``
+    functions that vanish along the motion.
     """
 
     program: Program
@@ -88,6 +89,7 @@ class Problem:
     apart: frozenset[str] = frozenset()
     whole: bool = False
     measured: Program | None = None
+    conditions: tuple[Any, ...] = ()
 
     @property
     def is_rough(self) -> bool:

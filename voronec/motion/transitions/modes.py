@@ -118,7 +118,7 @@ def _through_switching_surfaces(
     if not problem.is_rough:
         return None
     exact = is_exact(method, problem.tol)
-    modes = Modes.of(form, functions, _saturation(problem.tol, exact))
+    modes = Modes.of(form, functions, _saturation(problem.tol, exact), problem.conditions)
     if modes is None:
         return None
     if modes.cusps and (exact or method == "heyoka"):
