@@ -175,31 +175,25 @@ class MotionRequest:
     def by_controllers(self) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
         would be misled by a second try."""
-        made = whole(self.namespace, self.outputs, self.functions)
-        return self._integrate(made, self.method)
+        return self._whole()
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
         try:
             return self._in_smallest(self.method, CHANGE)
         except NearPole:
-            return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
+            # in the own coordinates after all, where there is nothing better: on invariants more
+            # digits are lost
+            return first_success((self._beyond_poles, self._whole), float(self.grid[0]))
         except IntegrationError as error:
             own, start = self.namespace.equations, error.time in (None, self.grid[0])
             if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
-                raise self._no_digits() from error
+                raise IntegrationError(
+                    f"system '{own.system.name}': the motion starts at a pole of its angles, "
+                    f"beyond which charts lead in doubles alone; give tol={EXACT:g} or more, and "
+                    "not method='flint', or start elsewhere", self.grid[0], self.outset.state,
+                ) from error  # fmt: skip
             raise
-
-    def _no_digits(self) -> IntegrationError:
-        """The error where digits are asked for at a pole of angles."""
-        own = self.namespace.equations
-        return IntegrationError(
-            f"system '{own.system.name}': the motion starts at a pole of its angles, beyond which "
-            f"charts lead in doubles alone; give tol={EXACT:g} or more, and not method='flint', "
-            "or start elsewhere",
-            self.grid[0],
-            self.outset.state,
-        )
 
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
@@ -209,14 +203,12 @@ class MotionRequest:
         if charted is None:
             return None
         there = replace(self, namespace=Namespace.of(charted))
-        made = whole(there.namespace, self.outputs, self.functions)
-        return replace(there._integrate(made, self.method), system=own.system)
+        return replace(there._whole(), system=own.system)
 
-    def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
-        """In the own coordinates after all, where there is nothing better: on invariants more
-        digits are lost."""
+    def _whole(self, _: IntegrationError | None = None) -> Trajectory:
+        """By the equations as they are, on the coordinates."""
         made = whole(self.namespace, self.outputs, self.functions)
-        return self._integrate(made, self.method, near=near)
+        return self._integrate(made, self.method)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -228,9 +220,7 @@ class MotionRequest:
         they may not be, or may have charts."""
         charts = bool(self.namespace.equations.system.charts) and self.method != "flint"
         reduced = self.method == "auto" and self.smallest.model is not None
-        if not (charts or reduced):
-            return None
-        return self._integrate(whole(self.namespace, self.outputs, self.functions), self.method)
+        return self._whole() if charts or reduced else None
 
     @cached_property
     def smallest(self) -> ProgrammedModel:
@@ -426,20 +416,17 @@ class _Job:
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
         made, equations = self.made, self.namespace.equations
-        watch = made.watch
+        watch, form = made.watch, equations.raw.form
         check = SolutionCheck(
             equations, made.program, [float(x) for x in values], sight.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
             self.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
-        t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = check.breach(t, states, run.samples)
-        form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
-        if smooth and breach is None and {*own} <= {*watch.known, *map(str, made.program.state)}:
-            at_home = partial(self._at_home, own, check)
-            breach = check.original(t, run.samples, at_home, self.outset.constants)
-        return breach, notes
+        known = smooth and {*own} <= {*watch.known, *map(str, made.program.state)}
+        at_home = partial(self._at_home, own, check) if known else None
+        t, states = run.t.astype(float), run.states.astype(float)
+        return check.breach(t, states, run.samples, at_home, self.outset.constants)
 
     def _at_home(
         self, names: Sequence[str], check: SolutionCheck, t: np.ndarray, states: np.ndarray
@@ -617,14 +604,10 @@ def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:
     """Notes on outputs that are no finite numbers at some instants, as log(x) where x < 0."""
     for name in trajectory.outputs:
         values = trajectory[name]
-        if values.dtype == object:
-            sound = np.array(
-                [not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values]
-            )
-        elif isfinite(values.sum()):  # then all of them are
+        if values.dtype != object and isfinite(values.sum()):  # then all of them are
             continue
-        else:
-            sound = np.isfinite(values)
+        real = (not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values)
+        sound = np.fromiter(real, bool, len(values))
         if not sound.all():
             first = float(trajectory.t[np.argmin(sound)])
             yield (
@@ -671,14 +654,10 @@ def _reach(error: IntegrationError, begin: float) -> float:
 
 def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Trajectory:
     """The trajectory, with what failed before it."""
-    failed = [e.trajectory.cost for e in errors if e.trajectory is not None]
+    failed = [(e.trajectory.cost, float(e.time)) for e in errors if e.trajectory is not None]
     if not failed:
         return trajectory
-    times = [float(e.time) for e in errors if e.trajectory is not None]
-    words = "; ".join(
-        f"{c.method} in {c.formulation} fails after t = {t:.6g}"
-        for c, t in zip(failed, times, strict=True)
-    )
+    words = "; ".join(f"{c.method} in {c.formulation} fails after t = {t:.6g}" for c, t in failed)
     cost = trajectory.cost
-    own = cost.reason if cost.method == failed[0].method else "auto"
+    own = cost.reason if cost.method == failed[0][0].method else "auto"
     return replace(trajectory, cost=replace(cost, reason=f"{own}: {words}"))

@@ -44,8 +44,8 @@ WORST = 3
 """Steps in doubt, of each motion, that are integrated again."""
 
 
-SHARES = np.linalg.inv(np.polynomial.legendre.legvander(2 * NODES - 1, WIDTH - 1))
-"""From values at the nodes to shares of Legendre polynomials."""
+SHARES = np.linalg.inv(np.polynomial.legendre.legvander(2 * NODES - 1, WIDTH - 1))[[0, -2, -1]]
+"""From values at the nodes to shares of Legendre polynomials: the mean, and the last two."""
 POWERS = np.linalg.inv(np.vander(2 * NODES - 1, increasing=True))
 """From values at the nodes to coefficients of powers: rounding leaves more than ten digits."""
 
@@ -78,21 +78,20 @@ def doubtful(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -
     times, states = samples.times, samples.states
     if not states.size:
         return []
-    at = _by_variable(states)
+    at, span = _by_variable(states), times[:, -1] - times[:, 0]
     slopes = rates(times.T.ravel(), at.reshape(len(at), -1).T).T.reshape(at.shape)
-    span, far = (
-        times[:, -1] - times[:, 0],
-        FAR_APART * np.spacing(np.abs(times[:, [0, -1]]).max(axis=1)),
-    )
     with np.errstate(all="ignore"):
-        shares, length = SHARES[[0, -2, -1]] @ slopes, np.abs(span)
+        shares, length = SHARES @ slopes, np.abs(span)
         defect = np.abs((ends - states[:, 0]).T - span * shares[:, 0])
-        allowed = DOUBT * (np.abs(shares[:, 1]) + np.abs(shares[:, 2]))
+        allowed = DOUBT * np.abs(shares[:, 1:]).sum(axis=1)
         allowed = length * (allowed + RELATIVE * np.abs(slopes).max(axis=1))
         allowed += (ROUNDING + MARGIN * tol) * _sizes(at)
+        if not (defect > allowed).any():  # most runs
+            return []
         worst = (defect / allowed).max(axis=0)
+        far = FAR_APART * np.spacing(np.abs(times[:, [0, -1]]).max(axis=1))
         worst[~np.isfinite(worst) | (length < far)] = 0.0
-    return [int(i) for i in np.argsort(-worst) if worst[i] > 1] if worst.max() > 1 else []
+    return [int(i) for i in np.argsort(-worst) if worst[i] > 1]
 
 
 def _by_variable(states: np.ndarray) -> np.ndarray:
@@ -146,14 +145,18 @@ def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: floa
     with np.errstate(all="ignore"):
         places = 2 * (t - begin[step]) / (end - begin)[step] - 1
         rows = np.flatnonzero((step >= 0) & (places <= 1 + BESIDE))
-        powers, step, at = np.ones((len(rows), WIDTH)), step[rows], _by_variable(part.states)
+        powers, step = np.ones((len(rows), WIDTH)), step[rows]
         wide = np.broadcast_to(places[rows, None], (len(rows), WIDTH - 1))
         np.cumprod(wide, axis=1, out=powers[:, 1:])
         read = ((powers @ POWERS)[:, None] @ part.states[step])[:, 0]
-        allowed = DOUBT * np.abs(SHARES[-2:] @ at).sum(axis=1)
+        off, least = np.abs(read - states[0, rows]).T, ROUNDING + MARGIN * tol
+        if not (off > least).any():
+            return
+        at = _by_variable(part.states)
+        allowed = DOUBT * np.abs(SHARES[1:] @ at).sum(axis=1)
         allowed += RELATIVE * (at.max(axis=1) - at.min(axis=1))
-        allowed += (ROUNDING + MARGIN * tol) * _sizes(at)
-        wrong = (allowed[:, step] < np.abs(read - states[0, rows]).T).any(axis=0)
+        allowed += least * _sizes(at)
+        wrong = (allowed[:, step] < off).any(axis=0)
     yield from np.maximum(rows[wrong] - 1, 0).tolist()
 
 
