@@ -124,17 +124,10 @@ def _start(
     return numbers_at(form, start.state, constants, time)
 
 
-KINDS = {
-    "integrated": "integrated",
-    "quadrature": "quadrature",
-    "constant": "constant",
-    "zero": "zero",
-    "integral": "by an integral",
-    "read off": "read off",
-    "replaced": "replaced",
-    "dropped": "dropped",
-}
-"""What may become of a variable, in the order of being told, and what that is called."""
+KINDS = (
+    "integrated", "quadrature", "constant", "zero", "integral", "read off", "replaced", "dropped",
+)  # fmt: skip
+"""What may become of a variable, in the order of being told."""
 WIDTH = 96
 """Letters in a line of text."""
 LONGEST = 60
@@ -161,9 +154,10 @@ def _roles(model: Model, width: int) -> list[str]:
     rows: dict[tuple[str, str], list[str]] = {}
     for role in model.roles:
         rows.setdefault((role.kind, _why(model, role)), []).append(role.variable)
-    order = list(KINDS)
-    ranked = sorted(rows.items(), key=lambda row: order.index(row[0][0]))
-    table = [(KINDS[kind], ", ".join(names), why) for (kind, why), names in ranked]
+    table = [
+        ("by an integral" if kind == "integral" else kind, ", ".join(names), why)
+        for (kind, why), names in sorted(rows.items(), key=lambda row: KINDS.index(row[0][0]))
+    ]
     first = max(len(kind) for kind, *_ in table)
     second = min(max(len(names) for _, names, _ in table), width // 3)
     lines: list[str] = []

@@ -111,9 +111,8 @@ def wrong_steps(
     """The steps that do not obey the equations, as a motion, samples and a place among them: those
     that seem not to are integrated again.  ``rates_of`` motions (s,) takes as many times and states
     of each, one motion after the other."""
-    ends, groups = joined_ends([part for _, part in samples]), []
-    for (owner, part), end in zip(samples, ends, strict=True):
-        groups.append((owner, part, end))
+    ends = joined_ends([part for _, part in samples])
+    groups = [(*one, end) for one, end in zip(samples, ends, strict=True)]
     plain = [group for group in groups if group[1].rates is None]
     if len(plain) > 1:  # looked at together
         owner, end = (np.concatenate([group[i] for group in plain]) for i in (0, 2))
@@ -124,14 +123,11 @@ def wrong_steps(
         for i in doubtful(part, end, part.rates or rates_of(owner), tol):
             seen[owner[i]] += 1
             rates = part.rates or rates_of(owner[i : i + 1])
-            if seen[owner[i]] <= WORST and not obeys(part, end, i, rates, tol):
+            if seen[owner[i]] > WORST:
+                continue
+            off = again(rates, part.times[i], np.vstack([part.states[i, :-1], end[i]]), tol)
+            if off is not None and off.max() > 1:
                 yield int(owner[i]), part, i
-
-
-def obeys(samples: StepSamples, ends: np.ndarray, i: int, rates: Rates, tol: float) -> bool:
-    """Whether a step leads where the equations do, as far as that can be told."""
-    off = again(rates, samples.times[i], np.vstack([samples.states[i, :-1], ends[i]]), tol)
-    return off is None or not off.max() > 1
 
 
 def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: float) -> Iterator[int]:
@@ -173,7 +169,7 @@ def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.nda
     size = np.maximum(1.0, np.abs(states).max(initial=0.0))
     left = [BUDGET]
     moved = np.array([[0.0], [NEARBY], [max(tol, ULPS * ROUNDOFF)]])
-    starts = states[0] + moved * size * _signs(states.shape[1])
+    starts = states[0] + moved * size * np.where(np.arange(states.shape[1]) % 2, -1.0, 1.0)
 
     def all_rates(time: float, state: np.ndarray) -> np.ndarray:
         left[0] -= 1
@@ -202,10 +198,6 @@ def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.nda
 
 class _OverBudget(Exception):
     """More evaluations than there were to spend."""
-
-
-def _signs(count: int) -> np.ndarray:
-    return np.where(np.arange(count) % 2, -1.0, 1.0)
 
 
 def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:
