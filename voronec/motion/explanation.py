@@ -8,11 +8,13 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from voronec.algebra.arguments import SEVERAL, VALUES, accepts
+from voronec.algebra.columns import columns
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.verdicts import decide_zero
 from voronec.declaration.claims import right_of
@@ -122,17 +124,10 @@ def _start(
     return numbers_at(form, start.state, constants, time)
 
 
-KINDS = {
-    "integrated": "integrated",
-    "quadrature": "quadrature",
-    "constant": "constant",
-    "zero": "zero",
-    "integral": "by an integral",
-    "read off": "read off",
-    "replaced": "replaced",
-    "dropped": "dropped",
-}
-"""What may become of a variable, in the order of being told, and what that is called."""
+KINDS = (
+    "integrated", "quadrature", "constant", "zero", "integral", "read off", "replaced", "dropped",
+)  # fmt: skip
+"""What may become of a variable, in the order of being told."""
 WIDTH = 96
 """Letters in a line of text."""
 LONGEST = 60
@@ -144,13 +139,13 @@ def model_text(model: Model, width: int = WIDTH) -> str:
     own = model.cut
     wanted = sorted({*own.outputs, *own.angles}, key=_place(model))
     head = f"{model.system.name}: the smallest model for {', '.join(wanted)}"
-    size = f"{_count(len(model.states), 'state')}, in {_formulation_words(model.formulation)}"
+    count, words = len(model.states), _formulation_words(model.formulation)
+    size = f"{count} state{'' if count == 1 else 's'}, in {words}"
     parts = [*_wrap([head], width, ""), size, "", *_roles(model, width), ""]
     parts += ["what was weighed", *_formulations(model), ""]
     limit = derive(model.system).limit
-    parts += (
-        [] if limit is None else [*_wrap([f"normal forms were left: {limit}"], width, "  "), ""]
-    )
+    if limit is not None:
+        parts += [*_wrap([f"normal forms were left: {limit}"], width, "  "), ""]
     return "\n".join([*parts, *_followed_integrals(model, width)])
 
 
@@ -159,9 +154,10 @@ def _roles(model: Model, width: int) -> list[str]:
     rows: dict[tuple[str, str], list[str]] = {}
     for role in model.roles:
         rows.setdefault((role.kind, _why(model, role)), []).append(role.variable)
-    order = list(KINDS)
-    ranked = sorted(rows.items(), key=lambda row: order.index(row[0][0]))
-    table = [(KINDS[kind], ", ".join(names), why) for (kind, why), names in ranked]
+    table = [
+        ("by an integral" if kind == "integral" else kind, ", ".join(names), why)
+        for (kind, why), names in sorted(rows.items(), key=lambda row: KINDS.index(row[0][0]))
+    ]
     first = max(len(kind) for kind, *_ in table)
     second = min(max(len(names) for _, names, _ in table), width // 3)
     lines: list[str] = []
@@ -169,13 +165,8 @@ def _roles(model: Model, width: int) -> list[str]:
     for kind, names, why in table:
         shown = textwrap.wrap(names, second) or [""]
         said = textwrap.wrap(why, max(width - first - second - 4, 20))
-        for i in range(max(len(shown), len(said))):
-            columns = (
-                kind if i == 0 and kind != before else "",
-                shown[i] if i < len(shown) else "",
-                said[i] if i < len(said) else "",
-            )
-            lines.append(f"{columns[0]:{first}}  {columns[1]:{second}}  {columns[2]}".rstrip())
+        for row in zip_longest(["" if kind == before else kind], shown, said, fillvalue=""):
+            lines.append(f"{row[0]:{first}}  {row[1]:{second}}  {row[2]}".rstrip())
         before = kind
     return lines
 
@@ -200,7 +191,7 @@ def _formulations(model: Model) -> list[str]:
         ]
         for c in model.candidates
     ]  # fmt: skip
-    return _table([head, *rows], right={1, 2, 3})
+    return columns([head, *rows], right={1, 2, 3})
 
 
 def _followed_integrals(model: Model, width: int) -> list[str]:
@@ -232,21 +223,5 @@ def _place(model: Model) -> Any:
     return lambda name: (known.index(name) if name in known else len(known), name)
 
 
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"
-
-
 def _wrap(lines: Iterable[str], width: int, indent: str) -> list[str]:
     return [part for line in lines for part in textwrap.wrap(line, width, subsequent_indent=indent)]
-
-
-def _table(rows: Sequence[Sequence[str]], right: set[int]) -> list[str]:
-    """Aligned lines, the columns of numbers at the right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            word.rjust(w) if i in right else word.ljust(w)
-            for i, (word, w) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]

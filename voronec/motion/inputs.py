@@ -156,7 +156,9 @@ def drive(
     symbols = [s for each in found for s in each.symbols]
     shapes = tuple(each.shape for each in found)
     changing = Signals(signals) if signals and not unknown else None
-    driven = _replace_inputs(original, meaning, symbols, shapes, bool(signals))
+    driven = original.memo.once(  # once for each shape of the inputs
+        ("driven", shapes), lambda: _with_meaning(original, meaning, symbols, bool(signals))
+    )
     return Drive(original, derive(driven), meaning, constants, changing)
 
 
@@ -182,17 +184,16 @@ def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bo
             f"inputs={{'{name}': ...}}: a number, an expression, a table or a function of t"
         )
     read = _read(system, u, values)
-    if isinstance(read, Signal):
-        symbols = _symbols(system, u, read.degree)
-        _require_rates(system, u, read)
-        meaning = _rates(u, _polynomial(symbols, read.degree))
-        signal = replace(read, parameters=tuple(map(str, symbols)))
-        return _StandIn((name, (read.degree, len(symbols))), meaning, symbols, signal=signal)
-    if read.is_number:
-        symbol = sp.Symbol(name)
-        meaning = _rates(u, _polynomial([symbol], 0))
-        return _StandIn((name, (0, 1)), meaning, [symbol], {name: read})
-    return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
+    if not (isinstance(read, Signal) or read.is_number):
+        return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
+    degree = read.degree if isinstance(read, Signal) else 0
+    symbols = _symbols(system, u, degree)
+    shape, meaning = (name, (degree, len(symbols))), _rates(u, _polynomial(symbols, degree))
+    if not isinstance(read, Signal):
+        return _StandIn(shape, meaning, symbols, {name: read})
+    _require_rates(system, u, read)
+    signal = replace(read, parameters=tuple(map(str, symbols)))
+    return _StandIn(shape, meaning, symbols, signal=signal)
 
 
 def _name_inputs(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
@@ -268,8 +269,8 @@ def _is_force(system: System, u: sp.Expr) -> bool:
     held = [system.lagrangian, *system.constraints, *system.fibration.relations]
     held += system.frame.expressions if system.frame is not None else ()
     jets = {u, velocity(u)}
-    rated = any(names_in(e) & {n for n in names_in(e) if n != u and _rate_of(n, u)}
-                for e in system.forces.values())  # fmt: skip
+    forced = {n for e in system.forces.values() for n in names_in(e)} - {u}
+    rated = any(n in jets or (isinstance(n, sp.Derivative) and n.expr == u) for n in forced)
     return not (rated or any(names_in(e) & jets for e in held))
 
 
@@ -320,17 +321,9 @@ def _jet_in_time(system: System, u: sp.Expr, value: sp.Expr) -> list[sp.Expr]:
     return jet
 
 
-def _rate_of(thing: sp.Expr, u: sp.Expr) -> bool:
-    return thing == velocity(u) or (isinstance(thing, sp.Derivative) and thing.expr == u)
-
-
 def _rates(u: sp.Expr, jet: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
     """What stands for an input and for its rates."""
-    found, thing = {}, u
-    for expr in jet:
-        found[thing] = expr
-        thing = velocity(thing)
-    return found
+    return dict(zip((u, velocity(u), velocity(velocity(u))), jet, strict=False))
 
 
 def _symbols(system: System, u: sp.Expr, degree: int) -> list[sp.Symbol]:
@@ -363,25 +356,15 @@ def _require_rates(system: System, u: sp.Expr, signal: Signal) -> None:
         )
 
 
-def _replace_inputs(
-    original: System,
-    meaning: Mapping[sp.Expr, sp.Expr],
-    symbols: Sequence[sp.Symbol],
-    shape: Any,
-    moving: bool,
+def _with_meaning(
+    original: System, meaning: Mapping[sp.Expr, sp.Expr], symbols: Sequence[sp.Symbol], moving: bool
 ) -> System:
-    """The system with expressions in the place of its inputs, made once for each shape of them.
+    """The system with expressions in the place of its inputs.
 
     What was claimed of the original is not claimed of it, but for integrals: those with an input in
     them only where that does not jump.
     """
-    what = ("driven", shape)
-    return original.memo.once(what, lambda: _with_meaning(original, meaning, symbols, moving))
 
-
-def _with_meaning(
-    original: System, meaning: Mapping[sp.Expr, sp.Expr], symbols: Sequence[sp.Symbol], moving: bool
-) -> System:
     def on(expr: Any) -> Any:
         return expr.xreplace(meaning)
 

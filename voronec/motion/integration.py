@@ -84,6 +84,11 @@ class MotionRequest:
     start_data: StartData
     project: bool
 
+    @property
+    def time(self) -> float:
+        """When the motion begins."""
+        return float(self.grid[0])
+
     def in_any_velocities(self, ways: Iterable[Way]) -> list[Way]:
         """Ways that go on in all velocities where a divisor is near zero.
 
@@ -108,7 +113,7 @@ class MotionRequest:
         """In the ambient formulation."""
         from voronec.motion.ambient import ambient_formulation  # few motions need it
 
-        home, time = self.namespace, float(self.grid[0])
+        home, time = self.namespace, self.time
         wanted = home.read_outputs(self.outputs)
         exprs = (*wanted.terms.values(), *self.functions.values())
         reactions = bool(wanted.reactions) or home.holds_reactions(exprs)
@@ -143,13 +148,13 @@ class MotionRequest:
     def _require_velocities(self) -> None:
         """Refuse a start whose velocities do not tell the others."""
         home = self.namespace
-        ground = self.outset.ground(home.equations, float(self.grid[0]))
+        ground = self.outset.ground(home.equations, self.time)
         framed = self.outset.state if self.outset.framed else None
         WideStart.of(home, ground, self.start_data, self.project, framed)
 
     def _no_velocities(self) -> VoronecError:
         """The error where no velocities tell how a motion starts."""
-        time, system = float(self.grid[0]), self.namespace.equations.system
+        time, system = self.time, self.namespace.equations.system
         try:
             self._require_velocities()
         except VoronecError as error:
@@ -172,31 +177,25 @@ class MotionRequest:
     def by_controllers(self) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
         would be misled by a second try."""
-        made = whole(self.namespace, self.outputs, self.functions)
-        return self._integrate(made, self.method)
+        return self._whole()
 
     def in_smallest(self, _: IntegrationError | None) -> Trajectory:
         """By the method asked for, in the smallest model; near poles of angles beyond them."""
         try:
             return self._in_smallest(self.method, CHANGE)
         except NearPole:
-            return first_success((self._beyond_poles, self._past_poles), float(self.grid[0]))
+            # in the own coordinates after all, where there is nothing better: on invariants more
+            # digits are lost
+            return first_success((self._beyond_poles, self._whole), self.time)
         except IntegrationError as error:
             own, start = self.namespace.equations, error.time in (None, self.grid[0])
             if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
-                raise self._no_digits() from error
+                raise IntegrationError(
+                    f"system '{own.system.name}': the motion starts at a pole of its angles, "
+                    f"beyond which charts lead in doubles alone; give tol={EXACT:g} or more, and "
+                    "not method='flint', or start elsewhere", self.grid[0], self.outset.state,
+                ) from error  # fmt: skip
             raise
-
-    def _no_digits(self) -> IntegrationError:
-        """The error where digits are asked for at a pole of angles."""
-        own = self.namespace.equations
-        return IntegrationError(
-            f"system '{own.system.name}': the motion starts at a pole of its angles, beyond which "
-            f"charts lead in doubles alone; give tol={EXACT:g} or more, and not method='flint', "
-            "or start elsewhere",
-            self.grid[0],
-            self.outset.state,
-        )
 
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
@@ -206,14 +205,12 @@ class MotionRequest:
         if charted is None:
             return None
         there = replace(self, namespace=Namespace.of(charted))
-        made = whole(there.namespace, self.outputs, self.functions)
-        return replace(there._integrate(made, self.method), system=own.system)
+        return replace(there._whole(), system=own.system)
 
-    def _past_poles(self, _: IntegrationError | None, near: Any = LAST) -> Trajectory:
-        """In the own coordinates after all, where there is nothing better: on invariants more
-        digits are lost."""
+    def _whole(self, _: IntegrationError | None = None) -> Trajectory:
+        """By the equations as they are, on the coordinates."""
         made = whole(self.namespace, self.outputs, self.functions)
-        return self._integrate(made, self.method, near=near)
+        return self._integrate(made, self.method)
 
     def otherwise(self, error: IntegrationError | None) -> Trajectory | None:
         """By another method, where the choice is ours."""
@@ -225,9 +222,7 @@ class MotionRequest:
         they may not be, or may have charts."""
         charts = bool(self.namespace.equations.system.charts) and self.method != "flint"
         reduced = self.method == "auto" and self.smallest.model is not None
-        if not (charts or reduced):
-            return None
-        return self._integrate(whole(self.namespace, self.outputs, self.functions), self.method)
+        return self._whole() if charts or reduced else None
 
     @cached_property
     def smallest(self) -> ProgrammedModel:
@@ -238,13 +233,13 @@ class MotionRequest:
         outset = self.outset
         return make_model(
             self.namespace, self.outputs, self.functions, outset.state, outset.steady,
-            float(self.grid[0]), followed,
+            self.time, followed,
         )  # fmt: skip
 
     def _in_smallest(self, method: str, near: Any = LAST) -> Trajectory:
-        made, grid = self.smallest, self.grid
+        made, begin = self.smallest, self.grid[: len(self.grid) // 50 + 2]
         # where a grid is too coarse to tell branches of angles apart, its beginning mostly says so
-        parts = (grid[: len(grid) // 50 + 2], grid) if made.watch.branches else (grid,)
+        parts = (begin, None) if made.watch.branches else (None,)
         try:
             for part in parts:
                 trajectory = self._integrate(made, method, part, near)
@@ -255,43 +250,29 @@ class MotionRequest:
             return self._integrate(self._make_model(True), method, near=near)
 
     def _integrate(
-        self,
-        made: ProgrammedModel,
-        method: str,
-        times: np.ndarray | None = None,
-        near: Any = LAST,
+        self, made: ProgrammedModel, method: str, times: np.ndarray | None = None, near: Any = LAST
     ) -> Trajectory:
-        whole_way, tol = times is None or times is self.grid, self.tol
+        asked = self if times is None else replace(self, grid=times, progress=None)
         if self.namespace.home is not None:  # of what is heavy, compiled loops take none finer
-            tol = min(tol, max(NEAR * tol, FINEST if made.program.weight > HEAVY else EXACT))
-        job = _Job(
-            self.namespace, made, self.outset, self.grid if times is None else times, tol,
-            self.events, self.dense, self.progress if whole_way else None,
-            None if is_exact(method, self.tol) else near,
-        )  # fmt: skip
-        return job.trajectory(method, self.began)
+            finest = FINEST if made.program.weight > HEAVY else EXACT
+            asked = replace(asked, tol=min(self.tol, max(NEAR * self.tol, finest)))
+        return _Job(asked, made, None if is_exact(method, self.tol) else near).trajectory(method)
 
 
 @dataclass(frozen=True)
 class _Job:
-    """A model to be integrated, and how; ``near`` is how near to poles of angles, if that is to be
-    watched."""
+    """A model to be integrated, and what is ``asked``; ``near`` is how near to poles of angles, if
+    that is to be watched."""
 
-    namespace: Namespace
+    asked: MotionRequest
     made: ProgrammedModel
-    outset: InitialState
-    grid: np.ndarray
-    tol: float
-    events: tuple[Guard, ...]
-    dense: bool
-    progress: Callable[[float], Any] | None
     near: Any = None
 
-    def trajectory(self, method: str, began: float) -> Trajectory:
+    def trajectory(self, method: str) -> Trajectory:
         """Integrate, and look at what is wanted; ``IntegrationError`` where it cannot be done."""
-        made, outset, time = self.made, self.outset, float(self.grid[0])
+        made, outset, time = self.made, self.asked.outset, self.asked.time
         state, values = made.place(outset.state, outset.constants, time)
-        equations = self.namespace.equations
+        equations = self.asked.namespace.equations
         probe = made.probe(equations.system.name, values, time, outset.changing)
         plain, poles = self._problem(state, values, probe), self._poles(method)
         controlled = plain.measured is not None
@@ -317,23 +298,22 @@ class _Job:
             )  # fmt: skip
         begun = switched is not None or not (made.model is None and equations.system.charts)
         warned = probe.check(state) if begun else ()
-        if self.namespace.home is not None:
+        if self.asked.namespace.home is not None:
             warned = ()  # impulses of reactions have no inertia, or negative one
-        if switched is not None:
-            solver, chosen = switched.solver, switched.chosen
-        else:
-            solver, chosen = self._smooth(method, *seen)
+        solver, chosen = (
+            self._smooth(method, *seen) if switched is None else (switched.solver, switched.chosen)
+        )
         ready, busy = perf_counter(), process_time()
-        run = solver(self.grid)
+        run = solver(self.asked.grid)
         run = replace(run, notes=(*warned, *run.notes)) if warned else run
         run = run if poles.notes is None else poles.notes.with_notes(run)
         if run.stopped in levels:
-            raise NearSingularDenominator(self.namespace)
+            raise NearSingularDenominator(self.asked.namespace)
         run = run.without({*levels})
         run = run if poles.guard is None else poles.guard.without_poles(run)
         made.watch.require_reactions(run.held, equations.system.name)
         cost = Cost(
-            **chosen, setup=ready - began + run.prepared,
+            **chosen, setup=ready - self.asked.began + run.prepared,
             run=perf_counter() - ready - run.prepared, cpu=process_time() - busy,
             steps=run.steps, evaluations=run.evaluations, switches=run.switches,
             formulation=made.formulation,
@@ -341,10 +321,10 @@ class _Job:
         trajectory, halt = self._outcome(run, values, cost, switched is None)
         if halt is not None:
             error = probe.failure(state, halt, trajectory)
-            if self.namespace.home is not None:
+            if self.asked.namespace.home is not None:
                 sight = self._sight(run, values, cost)
                 last = sight.observe(np.array([halt.time]), np.array(halt.state)[None])
-                error.state = np.array([last[name][0] for name in self.namespace.home_names])
+                error.state = np.array([last[name][0] for name in self.asked.namespace.home_names])
             raise error
         return trajectory
 
@@ -352,7 +332,7 @@ class _Job:
         self, run: Run, values: Sequence[float], cost: Cost, smooth: bool
     ) -> tuple[Trajectory, Termination | None]:
         """The motion of a run as far as it is sound, and what ended it before its end."""
-        sight, told = self._sight(run, values, cost), self.outset.notes + run.notes
+        sight, told = self._sight(run, values, cost), self.asked.outset.notes + run.notes
         trajectory = sight.trajectory(run, told)
         if run.halt is None and not run.interrupted:
             require_branches(trajectory, self.made.watch.branches, run)
@@ -367,18 +347,18 @@ class _Job:
 
     def _problem(self, state: np.ndarray, values: Sequence[float], probe: StateProbe) -> Problem:
         """What is to be integrated, as if it were smooth and nobody watched."""
-        made = self.made
+        asked, made = self.asked, self.made
         return Problem(
-            made.program, state, values, self.tol, self.events, made.event_program, self.dense,
-            probe.suspect(state), self.progress, self._exact, self.outset.changing,
+            made.program, state, values, asked.tol, asked.events, made.event_program, asked.dense,
+            probe.suspect(state), asked.progress, self._exact, asked.outset.changing,
             marked=bool(made.watch.branches), measured=self._velocities_besides(),
-            conditions=self.namespace.conditions,
+            conditions=self.asked.namespace.conditions,
         )  # fmt: skip
 
     def _velocities_besides(self) -> Program | None:
         """What controllers are told beside the states: velocities that follow from these; None
         where there are no controllers."""
-        changing, namespace = self.outset.changing, self.namespace
+        changing, namespace = self.asked.outset.changing, self.asked.namespace
         if changing is None or not changing.feedbacks:
             return None
         own = {*map(str, self.made.program.state)}
@@ -402,39 +382,36 @@ class _Job:
         from voronec.motion.transitions import through_switching_surfaces
 
         return through_switching_surfaces(
-            method, problem, self.grid, self.made.moving_form, functions
+            method, problem, self.asked.grid, self.made.moving_form, functions
         )
 
     def _sight(self, run: Run, values: Sequence[float], cost: Cost) -> _Sight:
         """How the states of a run become a trajectory."""
-        made, outset, bits = self.made, self.outset, self._bits(run.states)
-        if run.states.dtype == object:
+        made, outset, bits = self.made, self.asked.outset, float_info.mant_dig
+        constants = {**outset.constants, **made.constants(values)}
+        if run.states.dtype == object:  # at least as the tolerance wants: some numbers are short
+            bits = max(precision(run.states), ceil(-log2(self.asked.tol)) + MARGIN)
             constants = outset.exactly.constants(bits) | made.constants(self._exact(bits)[1])
-        else:
-            constants = {**outset.constants, **made.constants(values)}
         return _Sight(
-            self.namespace, made.watch, made.program, constants, cost, bits, outset.changing
+            self.asked.namespace, made.watch, made.program, constants, cost, bits, outset.changing
         )
 
     def check(
         self, sight: _Sight, run: Run, values: Sequence[Any], smooth: bool
     ) -> tuple[Breach | None, tuple[str, ...]]:
         """What went wrong with a run that came to its end, if anything did, and notes."""
-        made, equations = self.made, self.namespace.equations
-        watch = made.watch
+        made, equations = self.made, self.asked.namespace.equations
+        watch, form = made.watch, equations.raw.form
         check = SolutionCheck(
             equations, made.program, [float(x) for x in values], sight.cost.tolerance,
             run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
-            self.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
+            self.asked.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
-        t, states = run.t.astype(float), run.states.astype(float)
-        breach, notes = check.breach(t, states, run.samples)
-        form = equations.raw.form
         own = [str(x) for x in (*form.coordinates, *form.velocities)]
-        if smooth and breach is None and {*own} <= {*watch.known, *map(str, made.program.state)}:
-            at_home = partial(self._at_home, own, check)
-            breach = check.original(t, run.samples, at_home, self.outset.constants)
-        return breach, notes
+        known = smooth and {*own} <= {*watch.known, *map(str, made.program.state)}
+        at_home = partial(self._at_home, own, check) if known else None
+        t, states = run.t.astype(float), run.states.astype(float)
+        return check.breach(t, states, run.samples, at_home, self.asked.outset.constants)
 
     def _at_home(
         self, names: Sequence[str], check: SolutionCheck, t: np.ndarray, states: np.ndarray
@@ -449,19 +426,19 @@ class _Job:
         self, method: str, problem: Problem, functions: Mapping[str, Any]
     ) -> tuple[Integrator, dict[str, Any]]:
         """The integrator of a problem that is smooth, watched, and what ``Cost`` says of it."""
-        equations, form = self.namespace.equations, self.made.form
+        equations, form = self.asked.namespace.equations, self.made.form
         if not equations.system.charts or problem.measured is not None:
-            return choose(method, problem, self.grid)
-        return through_charts(method, problem, self.grid, equations, functions, form)
+            return choose(method, problem, self.asked.grid)
+        return through_charts(method, problem, self.asked.grid, equations, functions, form)
 
     def _watch_divisors(
         self, state: np.ndarray, values: Sequence[Any]
     ) -> tuple[SingularDenominator, ...]:
         """The divisors to watch; ``NearSingularDenominator`` where one is near zero at the
         start."""
-        made, outset = self.made, self.outset
+        made, outset = self.made, self.asked.outset
         form = made.form if made.model is None else made.model.form
-        ground = outset.ground(self.namespace.equations, float(self.grid[0]))
+        ground = outset.ground(self.asked.namespace.equations, self.asked.time)
 
         def find() -> list[SingularDenominator]:
             return ground.watch_divisors(form, made.below, outset.state, made.is_rough)
@@ -470,57 +447,52 @@ class _Job:
             "divisors", outset.constants_key, find
         )  # fmt: skip
         if ground.is_near_zero(form, found, state, values):
-            raise NearSingularDenominator(self.namespace)
+            raise NearSingularDenominator(self.asked.namespace)
         return tuple(found)
 
     def _poles(self, method: str) -> _Poles:
         """What watches the poles of coordinates; kept with the model for the constants."""
-        outset, exact = self.outset, is_exact(method, self.tol)
+        outset, exact = self.asked.outset, is_exact(method, self.asked.tol)
         if outset.changing is not None:
             alone = bool(outset.changing.feedbacks)
             return _Poles(None, None) if alone else self._pole_watch(method)
-        key = outset.constants_key, float(self.grid[0]), exact, self.near
+        key = outset.constants_key, self.asked.time, exact, self.near
         return self.made.memo.last("poles", key, lambda: self._pole_watch(method))
 
     def _pole_watch(self, method: str) -> _Poles:
-        made, equations = self.made, self.namespace.equations
+        made, equations = self.made, self.asked.namespace.equations
         charts = equations.system.charts
         if not (charts or euler_angles(equations)):
             return _Poles(None, None)
-        alone = made.is_rough or is_exact(method, self.tol)
+        alone = made.is_rough or is_exact(method, self.asked.tol)
         charted = not alone and bool(kept_charts(equations, made.form))
-        guard = self._guard(method, charted)
+        guard = self._guard(alone, charted)
         outputs = made.watch.outputs
         return _Poles(guard, PoleNotes.of(equations, made.program.state, outputs, charted, guard))
 
-    def _guard(self, method: str, charted: bool) -> PoleGuard | None:
+    def _guard(self, alone: bool, charted: bool) -> PoleGuard | None:
         """What watches the poles of coordinates, where the model is singular there and no chart
         leads on."""
-        outset, rough, equations = self.outset, self.made.is_rough, self.namespace.equations
+        asked, rough = self.asked, self.made.is_rough
+        outset, equations = asked.outset, asked.namespace.equations
         if self.near is None:
             return None
         # what is not smooth goes on in one chart alone
         near = LAST if rough and equations.system.charts else self.near
         angles_of = euler_angles if rough else angles_without_chart
         poles = CoordinatePole.of_attitudes(angles_of(equations))
-        if self.made.model is not None and not (rough or charted or is_exact(method, self.tol)):
+        if self.made.model is not None and not (alone or charted):
             # the equations on the coordinates have charts
             poles += CoordinatePole.of_charts(equations)
         if not poles:
             return None
         return PoleGuard.of(
-            equations, self.made, outset.state, outset.constants, float(self.grid[0]), near, poles
+            equations, self.made, outset.state, outset.constants, asked.time, near, poles
         )
-
-    def _bits(self, states: np.ndarray) -> int:
-        """The precision of states, at least that of the tolerance: some numbers are short."""
-        if states.dtype != object:
-            return float_info.mant_dig
-        return max(precision(states), ceil(-log2(self.tol)) + MARGIN)
 
     def _exact(self, bits: int) -> tuple[np.ndarray, list[Any]]:
         """Start and parameter values as mpmath's numbers."""
-        exactly, time = self.outset.exactly, float(self.grid[0])
+        exactly, time = self.asked.outset.exactly, self.asked.time
         with mpmath.workprec(bits):
             state, _ = exactly.problem(bits)
             return self.made.place(state, exactly.constants(bits), time)
@@ -543,13 +515,13 @@ class _Poles:
                 found = self.notes.watch(found, job.made.form, functions)
                 functions = {**functions, **self.notes.levels}
             if self.guard is not None:
-                found = self.guard.watch(found, functions, job.grid)
+                found = self.guard.watch(found, functions, job.asked.grid)
                 functions = {**functions, **self.guard.levels}
             return {n: getattr(found, n) for n in ("events", "levels", "coarse")}, functions
 
         if self.guard is None and self.notes is None:
             return problem, job.made.event_functions
-        backwards = bool(job.grid[-1] < job.grid[0])
+        backwards = bool(job.asked.grid[-1] < job.asked.grid[0])
         changed, functions = self.memo.last("watched", (problem.events, backwards), make)
         return replace(problem, **changed), functions
 
@@ -609,14 +581,10 @@ def _outputs_without_value(trajectory: Trajectory) -> Iterator[str]:
     """Notes on outputs that are no finite numbers at some instants, as log(x) where x < 0."""
     for name in trajectory.outputs:
         values = trajectory[name]
-        if values.dtype == object:
-            sound = np.array(
-                [not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values]
-            )
-        elif isfinite(values.sum()):  # then all of them are
+        if values.dtype != object and isfinite(values.sum()):  # then all of them are
             continue
-        else:
-            sound = np.isfinite(values)
+        real = (not isinstance(x, mpmath.mpc) and bool(mpmath.isfinite(x)) for x in values)
+        sound = np.fromiter(real, bool, len(values))
         if not sound.all():
             first = float(trajectory.t[np.argmin(sound)])
             yield (
@@ -663,14 +631,10 @@ def _reach(error: IntegrationError, begin: float) -> float:
 
 def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Trajectory:
     """The trajectory, with what failed before it."""
-    failed = [e.trajectory.cost for e in errors if e.trajectory is not None]
+    failed = [(e.trajectory.cost, float(e.time)) for e in errors if e.trajectory is not None]
     if not failed:
         return trajectory
-    times = [float(e.time) for e in errors if e.trajectory is not None]
-    words = "; ".join(
-        f"{c.method} in {c.formulation} fails after t = {t:.6g}"
-        for c, t in zip(failed, times, strict=True)
-    )
+    words = "; ".join(f"{c.method} in {c.formulation} fails after t = {t:.6g}" for c, t in failed)
     cost = trajectory.cost
-    own = cost.reason if cost.method == failed[0].method else "auto"
+    own = cost.reason if cost.method == failed[0][0].method else "auto"
     return replace(trajectory, cost=replace(cost, reason=f"{own}: {words}"))

@@ -34,7 +34,6 @@ from voronec.motion.tolerances import EXACT, FINEST
 if TYPE_CHECKING:
     import numpy as np
 
-    from voronec.equations.program import Program
     from voronec.motion.steppers import Integrator, Leap, Problem, Run
 
 Loop = Callable[..., Callable[..., int]]
@@ -118,80 +117,43 @@ def _find_spec(library: str) -> Any:
     return _look_up(find_spec, library, tuple(sys.path))
 
 
-def _taylor(problem: Problem) -> Integrator:
-    from voronec.motion.steppers import taylor
+def _steppers() -> Any:
+    """The integrators, loaded when one is made."""
+    from voronec.motion import steppers
 
-    return taylor(problem)
-
-
-def _dop853(problem: Problem) -> Integrator:
-    from voronec.motion.steppers import dop853
-
-    return dop853(problem)
-
-
-def _numba_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers import compiled_loop
-
-    return compiled_loop(program, levels)
-
-
-def _c_loop(program: Program, levels: Program | None = None) -> Callable[..., int]:
-    from voronec.motion.steppers import c_loop
-
-    return c_loop(program, levels)
-
-
-def _compiled_stepper(problem: Problem, loop: Loop) -> Integrator:
-    from voronec.motion.steppers import compiled_dop853
-
-    return compiled_dop853(problem, loop)
-
-
-def _taylor_leap(problem: Problem) -> AbstractContextManager[Leap]:
-    from voronec.motion.steppers import taylor_leap
-
-    return taylor_leap(problem)
-
-
-def _compiled_leap(problem: Problem, loop: Loop) -> AbstractContextManager[Leap]:
-    from voronec.motion.steppers import dop853_leap
-
-    return dop853_leap(problem, loop)
-
-
-def _lsoda(problem: Problem) -> Integrator:
-    from voronec.motion.steppers import lsoda
-
-    return lsoda(problem)
-
-
-def _digits(problem: Problem) -> Integrator:
-    from voronec.motion.steppers import digits
-
-    return digits(problem)
+    return steppers
 
 
 # fmt: off
 METHODS: dict[str, Method] = {
     # below EXACT a tolerance would only raise the order of heyoka's series, beyond all bounds
     "heyoka": Method(
-        _taylor, EXACT, symbolic=True, many=True, library="heyoka", other="scipy",
-        leap=_taylor_leap, follows_events=True,
+        lambda problem: _steppers().taylor(problem), EXACT, symbolic=True, many=True,
+        library="heyoka", other="scipy", leap=lambda problem: _steppers().taylor_leap(problem),
+        follows_events=True,
     ),
-    "scipy": Method(_dop853, FINEST, many=True, other="heyoka"),
+    "scipy": Method(
+        lambda problem: _steppers().dop853(problem), FINEST, many=True, other="heyoka",
+    ),
     "numba": Method(
-        partial(_compiled_stepper, loop=_numba_loop), FINEST, symbolic=True, many=True,
-        library="numba", other="heyoka", loop=_numba_loop,
-        leap=partial(_compiled_leap, loop=_numba_loop),
+        lambda problem: _steppers().compiled_dop853(problem), FINEST, symbolic=True, many=True,
+        library="numba", other="heyoka", loop=lambda *given: _steppers().compiled_loop(*given),
+        leap=lambda problem: _steppers().dop853_leap(problem),
     ),
     "c": Method(
-        partial(_compiled_stepper, loop=_c_loop), FINEST, symbolic=True, many=True, compiler="cc",
-        other="heyoka", loop=_c_loop, leap=partial(_compiled_leap, loop=_c_loop),
+        lambda problem: _steppers().compiled_dop853(problem, _steppers().c_loop), FINEST,
+        symbolic=True, many=True, compiler="cc", other="heyoka",
+        loop=lambda *given: _steppers().c_loop(*given),
+        leap=lambda problem: _steppers().dop853_leap(problem, _steppers().c_loop),
     ),
     # its steps are short, and err by the tolerance with the same sign: of so many by 1e-9 at 1e-13
-    "lsoda": Method(_lsoda, FINEST, best=1e-13, other="heyoka", sound_steps=10_000),
-    "flint": Method(_digits, best=1e-25, symbolic=True, exact=True),
+    "lsoda": Method(
+        lambda problem: _steppers().lsoda(problem), FINEST, best=1e-13, other="heyoka",
+        sound_steps=10_000,
+    ),
+    "flint": Method(
+        lambda problem: _steppers().digits(problem), best=1e-25, symbolic=True, exact=True
+    ),
     CLOSED_FORM: Method(None, best=EXACT),
 }
 # fmt: on
@@ -274,11 +236,10 @@ def choose(
     else:
         used, reason, loss = _best(outset or problem, grid)
     try:
-        if loss > 1:
-            finer = replace(problem, tol=problem.tol / loss)
-            solver, chosen = _make_stepper(used, finer, f"auto: {reason}")
-            return solver, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
-        return _make_stepper(used, problem, f"auto: {reason}" if reason else "asked for")
+        finer = replace(problem, tol=problem.tol / loss)
+        told = f"auto: {reason}" if reason else "asked for"
+        solver, chosen = _make_stepper(used, finer, told)
+        return solver, chosen | {"tolerance": max(problem.tol, METHODS[used].finest)}
     except EngineLimit as limit:
         if method != "auto":
             raise

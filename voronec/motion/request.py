@@ -386,8 +386,6 @@ class Namespace:
     of ``home`` where these equations are its own, free of constraints."""
 
     equations: VoronecEquations
-    symbols: Mapping[str, sp.Expr]
-    claims: Mapping[str, sp.Expr]
     inputs: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
     home: VoronecEquations | None = None
     memo: Memo = field(default_factory=Memo, init=False, repr=False, compare=False)
@@ -400,22 +398,25 @@ class Namespace:
         system was declared with, and for their rates.  Without these it is kept with the equations.
         """
         if not inputs:
-            return equations.memo.once("vocabulary", lambda: cls._make(equations, {}))
-        return cls._make(equations, inputs)
+            return equations.memo.once("vocabulary", lambda: cls(equations))
+        return cls(equations, dict(inputs))
 
-    @classmethod
-    def _make(cls, equations: VoronecEquations, inputs: Mapping[sp.Expr, sp.Expr]) -> Namespace:
-        system = equations.system
-        dots = [velocity(q) for q in system.coordinates]
-        constants = [p.symbol for p in system.parameters]
-        things = [*system.coordinates, *system.velocities, *dots, *constants, time]
-        symbols = {plain_name(s): s for s in things}
-        integrals = {name: right_of(claim) for name, claim in system.integrals.items()}
-        frame = system.frame
+    @cached_property
+    def symbols(self) -> Mapping[str, sp.Expr]:
+        """Coordinates, velocities, parameters and the time."""
+        system = self.equations.system
+        dots = map(velocity, system.coordinates)
+        constants = (p.symbol for p in system.parameters)
+        things = (*system.coordinates, *system.velocities, *dots, *constants, time)
+        return {plain_name(s): s for s in things}
+
+    @cached_property
+    def claims(self) -> Mapping[str, sp.Expr]:
+        """What follows from these: invariants, velocities and momenta of a group, integrals."""
+        system, frame = self.equations.system, self.equations.system.frame
         others = (*frame.fibre, *frame.momenta) if frame is not None else ()
-        named = {plain_name(x): x for x in others}
-        claims = {**system.invariants, **named, **integrals}
-        return cls(equations, symbols, claims, dict(inputs))
+        integrals = {name: right_of(claim) for name, claim in system.integrals.items()}
+        return {**system.invariants, **{plain_name(x): x for x in others}, **integrals}
 
     @cached_property
     def rate_names(self) -> tuple[str, ...]:

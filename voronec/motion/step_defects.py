@@ -44,8 +44,8 @@ WORST = 3
 """Steps in doubt, of each motion, that are integrated again."""
 
 
-SHARES = np.linalg.inv(np.polynomial.legendre.legvander(2 * NODES - 1, WIDTH - 1))
-"""From values at the nodes to shares of Legendre polynomials."""
+SHARES = np.linalg.inv(np.polynomial.legendre.legvander(2 * NODES - 1, WIDTH - 1))[[0, -2, -1]]
+"""From values at the nodes to shares of Legendre polynomials: the mean, and the last two."""
 POWERS = np.linalg.inv(np.vander(2 * NODES - 1, increasing=True))
 """From values at the nodes to coefficients of powers: rounding leaves more than ten digits."""
 
@@ -78,21 +78,20 @@ def doubtful(samples: StepSamples, ends: np.ndarray, rates: Rates, tol: float) -
     times, states = samples.times, samples.states
     if not states.size:
         return []
-    at = _by_variable(states)
+    at, span = _by_variable(states), times[:, -1] - times[:, 0]
     slopes = rates(times.T.ravel(), at.reshape(len(at), -1).T).T.reshape(at.shape)
-    span, far = (
-        times[:, -1] - times[:, 0],
-        FAR_APART * np.spacing(np.abs(times[:, [0, -1]]).max(axis=1)),
-    )
     with np.errstate(all="ignore"):
-        shares, length = SHARES[[0, -2, -1]] @ slopes, np.abs(span)
+        shares, length = SHARES @ slopes, np.abs(span)
         defect = np.abs((ends - states[:, 0]).T - span * shares[:, 0])
-        allowed = DOUBT * (np.abs(shares[:, 1]) + np.abs(shares[:, 2]))
+        allowed = DOUBT * np.abs(shares[:, 1:]).sum(axis=1)
         allowed = length * (allowed + RELATIVE * np.abs(slopes).max(axis=1))
         allowed += (ROUNDING + MARGIN * tol) * _sizes(at)
+        if not (defect > allowed).any():  # most runs
+            return []
         worst = (defect / allowed).max(axis=0)
+        far = FAR_APART * np.spacing(np.abs(times[:, [0, -1]]).max(axis=1))
         worst[~np.isfinite(worst) | (length < far)] = 0.0
-    return [int(i) for i in np.argsort(-worst) if worst[i] > 1] if worst.max() > 1 else []
+    return [int(i) for i in np.argsort(-worst) if worst[i] > 1]
 
 
 def _by_variable(states: np.ndarray) -> np.ndarray:
@@ -112,9 +111,8 @@ def wrong_steps(
     """The steps that do not obey the equations, as a motion, samples and a place among them: those
     that seem not to are integrated again.  ``rates_of`` motions (s,) takes as many times and states
     of each, one motion after the other."""
-    ends, groups = joined_ends([part for _, part in samples]), []
-    for (owner, part), end in zip(samples, ends, strict=True):
-        groups.append((owner, part, end))
+    ends = joined_ends([part for _, part in samples])
+    groups = [(*one, end) for one, end in zip(samples, ends, strict=True)]
     plain = [group for group in groups if group[1].rates is None]
     if len(plain) > 1:  # looked at together
         owner, end = (np.concatenate([group[i] for group in plain]) for i in (0, 2))
@@ -125,14 +123,11 @@ def wrong_steps(
         for i in doubtful(part, end, part.rates or rates_of(owner), tol):
             seen[owner[i]] += 1
             rates = part.rates or rates_of(owner[i : i + 1])
-            if seen[owner[i]] <= WORST and not obeys(part, end, i, rates, tol):
+            if seen[owner[i]] > WORST:
+                continue
+            off = again(rates, part.times[i], np.vstack([part.states[i, :-1], end[i]]), tol)
+            if off is not None and off.max() > 1:
                 yield int(owner[i]), part, i
-
-
-def obeys(samples: StepSamples, ends: np.ndarray, i: int, rates: Rates, tol: float) -> bool:
-    """Whether a step leads where the equations do, as far as that can be told."""
-    off = again(rates, samples.times[i], np.vstack([samples.states[i, :-1], ends[i]]), tol)
-    return off is None or not off.max() > 1
 
 
 def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: float) -> Iterator[int]:
@@ -146,14 +141,18 @@ def strayed_rows(t: np.ndarray, states: np.ndarray, part: StepSamples, tol: floa
     with np.errstate(all="ignore"):
         places = 2 * (t - begin[step]) / (end - begin)[step] - 1
         rows = np.flatnonzero((step >= 0) & (places <= 1 + BESIDE))
-        powers, step, at = np.ones((len(rows), WIDTH)), step[rows], _by_variable(part.states)
+        powers, step = np.ones((len(rows), WIDTH)), step[rows]
         wide = np.broadcast_to(places[rows, None], (len(rows), WIDTH - 1))
         np.cumprod(wide, axis=1, out=powers[:, 1:])
         read = ((powers @ POWERS)[:, None] @ part.states[step])[:, 0]
-        allowed = DOUBT * np.abs(SHARES[-2:] @ at).sum(axis=1)
+        off, least = np.abs(read - states[0, rows]).T, ROUNDING + MARGIN * tol
+        if not (off > least).any():
+            return
+        at = _by_variable(part.states)
+        allowed = DOUBT * np.abs(SHARES[1:] @ at).sum(axis=1)
         allowed += RELATIVE * (at.max(axis=1) - at.min(axis=1))
-        allowed += (ROUNDING + MARGIN * tol) * _sizes(at)
-        wrong = (allowed[:, step] < np.abs(read - states[0, rows]).T).any(axis=0)
+        allowed += least * _sizes(at)
+        wrong = (allowed[:, step] < off).any(axis=0)
     yield from np.maximum(rows[wrong] - 1, 0).tolist()
 
 
@@ -170,7 +169,7 @@ def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.nda
     size = np.maximum(1.0, np.abs(states).max(initial=0.0))
     left = [BUDGET]
     moved = np.array([[0.0], [NEARBY], [max(tol, ULPS * ROUNDOFF)]])
-    starts = states[0] + moved * size * _signs(states.shape[1])
+    starts = states[0] + moved * size * np.where(np.arange(states.shape[1]) % 2, -1.0, 1.0)
 
     def all_rates(time: float, state: np.ndarray) -> np.ndarray:
         left[0] -= 1
@@ -199,10 +198,6 @@ def again(rates: Rates, t: np.ndarray, states: np.ndarray, tol: float) -> np.nda
 
 class _OverBudget(Exception):
     """More evaluations than there were to spend."""
-
-
-def _signs(count: int) -> np.ndarray:
-    return np.where(np.arange(count) % 2, -1.0, 1.0)
 
 
 def program_rates(program: Program, at: Callable[[np.ndarray], list[Any]]) -> Rates:

@@ -108,34 +108,31 @@ class SolutionCheck:
     jumping: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     def breach(
-        self, t: np.ndarray, states: np.ndarray, samples: Sequence[StepSamples]
-    ) -> tuple[Breach | None, tuple[str, ...]]:
-        """What went wrong first, if anything did, and what is to be said of mere claims; ``states``
-        (k, n) are those at instants ``t`` (k,), and ``samples`` those of the steps."""
-        found, notes = self.losses(t, states)
-        parts = self._inner(t, samples)
-        rates = program_rates(self.program, self.at)
-        found += self._wrong_steps(t, parts, rates)
-        strayed = (row for part in parts for row in strayed_rows(t, states[None], part, self.tol))
-        found += [Breach(DISOBEDIENT, row) for row in strayed]
-        return min(found, key=lambda b: b.row, default=None), notes
-
-    def original(
         self,
         t: np.ndarray,
+        states: np.ndarray,
         samples: Sequence[StepSamples],
-        at_home: Callable[[np.ndarray, np.ndarray], np.ndarray],
-        constants: Mapping[str, Any],
-    ) -> Breach | None:
-        """What went wrong by the equations derived first, of some steps ``at_home``: from times
-        (k,) and states (k, n) to coordinates and velocities (k, m)."""
-        rates = original_rates(self.equations, constants, self.changing)
-        if rates is None:
-            return None
+        at_home: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+        constants: Mapping[str, Any] | None = None,
+    ) -> tuple[Breach | None, tuple[str, ...]]:
+        """What went wrong first, if anything did, and what is to be said of mere claims; ``states``
+        (k, n) are those at instants ``t`` (k,), and ``samples`` those of the steps.
+
+        Where nothing did, some steps are held against the equations derived first, at their
+        ``constants``: ``at_home`` takes times (k,) and states (k, n) to coordinates and velocities
+        (k, m)."""
+        found, notes = self.losses(t, states)
         parts = self._inner(t, samples)
-        some = [part.pick(spread(len(part.times), FEW)).through(at_home) for part in parts[:FEW]]
-        found = self._wrong_steps(t, some, rates)
-        return replace(min(found, key=lambda b: b.row), last=None) if found else None
+        found += self._wrong_steps(t, parts, program_rates(self.program, self.at))
+        strayed = (row for part in parts for row in strayed_rows(t, states[None], part, self.tol))
+        found += [Breach(DISOBEDIENT, row) for row in strayed]
+        if not found and at_home is not None:
+            rates = original_rates(self.equations, constants or {}, self.changing)
+            if rates is not None:
+                some = (part.pick(spread(len(part.times), FEW)) for part in parts[:FEW])
+                wrong = self._wrong_steps(t, [part.through(at_home) for part in some], rates)
+                found = [replace(breach, last=None) for breach in wrong]
+        return min(found, key=lambda b: b.row, default=None), notes
 
     def _inner(self, t: np.ndarray, samples: Sequence[StepSamples]) -> list[StepSamples]:
         """The samples of the steps to instants ``t``, in which no function of Python's jumps."""
@@ -230,7 +227,8 @@ class ConservedQuantities:
         off = [abs(values[key][0]) for key, size in self.names.values() if not size]
         share = np.abs(t - t[0]) / abs(t[-1] - t[0])
         per_unit = LOOSE * max(tol, UNIT) * (FREE + steps * share)
-        per_unit = per_unit + LOOSE * np.nan_to_num(max(off, default=0.0))
+        if off:
+            per_unit += LOOSE * np.nan_to_num(max(off))
         here = np.array([values[key] for key, _ in self.names.values()])
         sizes = np.array([values[size] if size else share**0 for _, size in self.names.values()])
         with np.errstate(all="ignore"):
@@ -328,15 +326,14 @@ def original_rates(
     if evaluate is None:
         return None
     width, n = len(form.rates), len(form.velocities)
-    names = [str(p) for p in form.parameters]
-    still = {name: float(constants.get(name, np.nan)) for name in names}
+    names = equations.memo.once("original parameters", lambda: [*map(str, form.parameters)])
+    still = [constants.get(name, np.nan) for name in names]
 
     def rates(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        given = still if changing is None else still | changing.along(t)
-        columns = np.empty((1 + states.shape[1] + len(names), len(t)))
-        columns[0], columns[1 : 1 + states.shape[1]] = t, states.T
-        for row, name in zip(columns[1 + states.shape[1] :], names, strict=True):
-            row[:] = given[name]
+        given = values_along(changing, names, still, t)
+        columns = np.empty((1 + states.shape[1] + len(given), len(t)))
+        for row, x in zip(columns, (t, *states.T, *given), strict=True):
+            row[:] = x
         rows = np.asarray(evaluate(columns.T), dtype=float).reshape(len(t), -1)
         sound = np.isfinite(rows).all(axis=1)
         if n:
