@@ -75,6 +75,10 @@ Look = Callable[[], bool]
 """Whether somebody asked to stop."""
 
 
+LookAtChunk = Callable[[Place], dict[int, IntegrationError]]
+"""The motions that cannot go on, after a chunk of steps from where they stood."""
+
+
 class StopRequest(Exception):
     """Somebody asked to stop; what a batch had begun is not finished."""
 
@@ -269,7 +273,7 @@ class Lanes:
         chunk of steps leads: states (width, k, n)."""
         ta = self.integrator
         if self.has_roots:
-            self.go_to(float(times[-1]), longest)
+            self.go_to(np.full(self.width, times[-1]), longest, True)
             states = np.full((len(times), *ta.state.shape), np.nan)
             if self.output is not None:
                 each = np.repeat(times[:, None], self.width, axis=1)
@@ -279,7 +283,7 @@ class Lanes:
                 np.moveaxis(states, 1, 2)[late] = np.nan
         elif len(times) == 2:  # no instant lies between, where states would have to be read off
             begin = ta.state.copy()
-            self.go_to(float(times[-1]), longest)
+            self.go_to(np.full(self.width, times[-1]), longest)
             ends = ((ta.alive, begin), (ta.latest.end, ta.state))
             states = np.stack([np.where(there, state, np.nan) for there, state in ends])
         else:
@@ -287,12 +291,15 @@ class Lanes:
             self.note_steps()
         return np.moveaxis(self.winding.whole(states), -1, 0)
 
-    def go_to(self, end: float, longest: np.ndarray) -> None:
-        """A chunk of steps towards a time, none longer than the ``longest`` of each motion."""
+    def go_to(
+        self, ends: np.ndarray, longest: np.ndarray, output: bool = False, most: int = CHUNK
+    ) -> None:
+        """A chunk of steps, so many at ``most``, towards times (width,), none longer than the
+        ``longest`` of each motion; with continuous ``output``, which there is of one load."""
+        self.output = None  # its memory is used again
         self.output = self.integrator.go_to(
-            np.full(self.width, end), longest, self.has_roots,
-            max_steps=self.size, **self.callback,
-        )  # fmt: skip
+            ends, longest, output, max_steps=min(self.size, most), **self.callback
+        )
         self.note_steps()
 
     @property
@@ -439,7 +446,8 @@ def _pieces(
         ta.state[:, [*found]] = np.nan
         if halfway.any():
             ends = grid[at : end + 1]
-            late, more = _one_interval(lanes, ends, limits, stopped, stall)
+            there = np.full(lanes.width, ends[-1])
+            late, more = carry(lanes, there, limits, stopped, lambda _: stall.errors(lanes))
             found, taken, steps = found | late, taken + more, steps + more
             rows[ta.alive, end] = lanes.states[ta.alive]
         errors |= found
@@ -457,29 +465,36 @@ def _last_good(rows: np.ndarray, grid: np.ndarray) -> IntegrationError:
     return break_error(INFINITE, float(grid[last]), rows[last].copy())
 
 
-def _one_interval(
-    lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, stall: _LanesStallDetector
-) -> tuple[dict[int, IntegrationError], int]:
-    """From one point of the grid to the next, where that takes very many steps, none longer than
-    the motion's ``longest`` there, which is looked for again on the way."""
+def carry(
+    lanes: Lanes, ends: np.ndarray, longest: np.ndarray, stopped: Look, look: LookAtChunk,
+    steps_ahead: Callable[[], int] | None = None,
+) -> tuple[dict[int, IntegrationError], int]:  # fmt: skip
+    """From where motions stand to their ``ends`` (width,), by very many steps, none longer than the
+    motion's ``longest`` there, which is looked for again on the way: what broke, and how many steps
+    there were.
+
+    Where ``steps_ahead`` says how many steps come next, there is continuous output of them, to
+    ``look`` at: it may end motions, by an error or by moving their ends to where they stand.
+    """
     ta, steps, errors = lanes.integrator, 0, dict[int, IntegrationError]()
-    while (ta.alive & (ta.high != ends[-1])).any():
+    followed = lanes.has_roots or steps_ahead is not None
+    while (ta.alive & (ta.high != ends)).any():
         if stopped():
             raise StopRequest
         lanes.take()
         if longest.min() < np.inf:  # steps were short where they began, and in other units
-            longest = lanes.first_steps(ends[-1] - ta.high)
+            longest = lanes.first_steps(ends - ta.high)
         begin, alive, last = ta.place, ta.alive, lanes.states
-        lanes.go_to(float(ends[-1]), longest)
+        lanes.go_to(ends, longest, followed, steps_ahead() if steps_ahead else CHUNK)
         steps += int(ta.latest.taken.sum())
         lanes.look_back(begin, longest)
         why = dict.fromkeys(np.flatnonzero(alive & ~ta.alive).tolist(), INFINITE)
-        stands = ta.alive & (ta.high != ends[-1]) & (ta.high == begin[0])
+        stands = ta.alive & (ta.high != ends) & (ta.high == begin[0])
         why |= dict.fromkeys(np.flatnonzero(stands).tolist(), COLLAPSE)
         found = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
-        found |= stall.errors(lanes)
+        found |= look(begin)
         if steps > MANY:  # those that are followed alone in any case: the others need not wait
-            lanes.steps.left |= ta.alive & (ta.high != ends[-1]) & lanes.steps.doubtful
+            lanes.steps.left |= ta.alive & (ta.high != ends) & lanes.steps.doubtful
             left = np.flatnonzero(lanes.steps.left & ta.alive).tolist()
             found |= {i: break_error(COLLAPSE, ta.high[i], lanes.states[i]) for i in left}
         ta.state[:, [*found]] = np.nan

@@ -21,14 +21,15 @@ from voronec.motion.batches import (
     Lanes,
     StepSizes,
     break_error,
+    carry,
 )
 from voronec.motion.crossings import NODES, Pieces, find_crossings, roots
 from voronec.motion.methods import METHODS
 from voronec.motion.request import number
 from voronec.motion.steppers import (
-    COLLAPSE,
     INFINITE,
     IntegratorFailure,
+    Place,
     Problem,
     Segment,
     StepSampler,
@@ -48,7 +49,6 @@ BESIDE = 1e-2
 POLE = 1e3
 """What is larger than this part of its size at both ends of a bracket has a pole there."""
 FEWER = "ask for fewer crossings"
-OUTGROWN = "its states outgrow the sizes from which they set out"
 
 Quantity = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """``(t, states (m, n), lane (m,))`` to values (m,)."""
@@ -267,9 +267,6 @@ START_SHARE = 1e-9
 """A crossing sooner than this part of the first step is the start itself."""
 FOREVER = 1e12
 """How long a motion is followed where nobody says it."""
-STRIDE = 16.0
-"""A step is no longer than so many times what was covered before: where a motion is a polynomial of
-the time, nothing else limits it."""
 
 
 @dataclass(eq=False)
@@ -382,148 +379,99 @@ class SectionPassages:
 
 
 def pass_lanes(motions: Many, watch: SectionWatch, passages: SectionPassages, lanes: Lanes) -> None:
-    """Follow the motions in heyoka's lanes; a lane whose motion is over takes the next one."""
-    under_way = _LanePassages(motions, watch, passages, lanes)
+    """Follow the motions in heyoka's lanes, those together that take about as many steps."""
+    sound = np.array(motions.sound, dtype=int)
+    sound = sound[np.argsort(motions.paces[sound], kind="stable")]
     try:
-        under_way.run()
+        for i in range(0, len(sound), lanes.width):
+            _LanePassages(motions, watch, passages, lanes, sound[i : i + lanes.width]).run()
     except KeyboardInterrupt:
         passages.interrupted = True
 
 
 @dataclass(eq=False)
 class _LanePassages:
-    """Motions under way in heyoka's lanes: ``holds`` says which of them each lane carries, None
-    where it idles, and ``origin`` (width,) when that set out."""
+    """Motions under way in the first of heyoka's lanes, by their ``numbers``; ``rows`` (width,) are
+    those of all lanes, and ``ends`` (width,) the times to which these go: where they are over,
+    where they stand."""
 
     motions: Many
     watch: SectionWatch
     passages: SectionPassages
     lanes: Lanes
-
-    def __post_init__(self) -> None:
-        self.waiting = iter(self.motions.sound)
-        self.holds = [self.load_next(k) for k in range(self.lanes.width)]
-        self.origin = self.lanes.integrator.high.copy()
+    numbers: np.ndarray
+    rows: np.ndarray = field(init=False)
+    ends: np.ndarray = field(init=False)
 
     def run(self) -> None:
-        """Stretch after stretch, until no motion is left."""
-        while any(i is not None for i in self.holds):
-            self.segment()
-            for k, i in enumerate(self.holds):
-                if i is not None and self.passages.over(i):
-                    self.holds[k] = self.load_next(k)
-                    self.origin[k] = self.motions.time
-            self.passages.tell(self.motions.sound)
+        """Chunk after chunk, until no motion is left."""
+        lanes, motions, count = self.lanes, self.motions, len(self.numbers)
+        # lanes without a motion of their own idle at the start of the last one
+        self.rows = self.numbers[np.minimum(np.arange(lanes.width), count - 1)]
+        begin = self.watch.begin(motions, self.rows)
+        lanes.load(slice(None), begin, motions.values[self.rows], motions.time)
+        lanes.reset_size()
+        self.ends = np.full(lanes.width, motions.time)
+        self.ends[:count] = self.passages.until
+        first = lanes.first_steps(self.ends - motions.time)
+        errors, _ = carry(lanes, self.ends, first, lambda: False, self.look, self.steps_ahead)
+        for k, error in errors.items():
+            i, state = int(self.rows[k]), np.asarray(error.state)[: self.watch.width]
+            self.passages.errors[i] = motions.error(i, str(error), FEWER, error.time, state.copy())
 
-    def load(self, lane: int, i: int) -> None:
-        """Put motion i at its start on a lane."""
-        motions = self.motions
-        begin, values = self.watch.begin(motions, [i]), motions.values[[i]]
-        self.lanes.load([lane], begin, values, motions.time)
-
-    def load_next(self, lane: int) -> int | None:
-        """Put the next motion on a lane; where there is none, any sound one idles there."""
-        i = next(self.waiting, None)
-        self.load(lane, self.motions.sound[0] if i is None else i)
-        return i
-
-    def segment(self, careful: bool = False) -> None:
-        """Some hundreds or thousands of steps of all lanes, and the crossings in them; or, where
-        steps are made too long by coefficients that vanish, ``careful`` ones, each looked at
-        before."""
-        lanes, holds, passages, origin = self.lanes, self.holds, self.passages, self.origin
-        ta = lanes.integrator
-        lanes.take()
-        begin, before = ta.place, ta.high.copy()
-        limit = 1 if careful else min(lanes.size, self.steps_ahead())
-        idle = np.array([i is None for i in holds])
-        # a lane that idles stays where it is as far as possible
-        ends = np.where(idle, before + 1e-300, np.maximum(passages.until, before))
-        longest = np.where(before > origin, STRIDE * (before - origin), np.inf)
-        if (fresh := ~idle & (careful | (before == origin))).any():
-            first = lanes.first_steps(ends - before)
-            longest = np.where(fresh, np.minimum(first, longest), longest)
-            limit = 1 if np.isfinite(first[fresh]).any() else limit
-        lanes.output = None  # its memory is used again
-        lanes.output = ta.go_to(ends, longest, True, max_steps=limit, **lanes.callback)
-        output, taken = lanes.output, ta.latest.taken
-        if not careful and lanes.look_back(begin, longest).any():
-            ta.return_to(begin)
-            for _ in range(taken.max()):
-                if not any(i is not None and passages.over(i) for i in holds):
-                    self.segment(careful=True)
-            return
-        lanes.note_steps()
-        passages.steps += int(taken[~idle].sum())
-        self.account(before, taken, limit, output)
+    def under_way(self, place: Place) -> dict[int, int]:
+        """Which motions are not yet at their ends where the lanes stand, by their lanes."""
+        going = (self.ends != place[0]) & np.isfinite(place[2]).all(axis=0)
+        return {k: int(i) for k, i in enumerate(self.numbers) if going[k]}
 
     def steps_ahead(self) -> int:
         """So many steps that the motion nearest to its end is not carried far beyond it."""
-        passages, holds = self.passages, self.holds
-        left = [passages.wanted - passages.count[i] for i in holds if i is not None]
+        passages, ta = self.passages, self.lanes.integrator
+        left = [passages.wanted - passages.count[i] for i in self.under_way(ta.place).values()]
         done = int(passages.count.sum())
         each = passages.steps / done if done else FEWEST
-        ta = self.lanes.integrator
         room = max(ROOM // (ta.state.size * (ta.batch.order + 1)), FEWEST)
         most = min(MOST, 1 << (room.bit_length() - 1))  # memory grows by doubling
         return int(np.clip(1.1 * each * min(left) + 16, FEWEST, most))
 
-    def account(self, before: np.ndarray, taken: np.ndarray, limit: int, output: Any) -> None:
-        """The crossings in a stretch, from heyoka's ``output`` of it, and lanes that broke down.
-
-        ``before`` are the times before the stretch; ``taken`` are the steps of each lane, of at
-        most ``limit``.
-        """
-        lanes, ta = self.lanes, self.lanes.integrator
-        busy = {k: i for k, i in enumerate(self.holds) if i is not None}
-        broken = np.flatnonzero(~ta.alive).tolist()
-        still = ta.high - before <= 1e-13 * np.maximum(np.abs(ta.high - self.origin), 1e-3)
-        stuck = [k for k in busy if taken[k] == limit and still[k]]
-        passed = [k for k in busy if lanes.steps.has_collapsed[k]]
-        outgrown = lanes.winding.outgrown(ta.state)
+    def look(self, begin: Place) -> dict[int, IntegrationError]:
+        """Take in the crossings in a chunk; the motions that cannot go on in lanes."""
+        lanes, passages, ta = self.lanes, self.passages, self.lanes.integrator
+        output, errors, busy = lanes.output, dict[int, IntegrationError](), self.under_way(begin)
+        passages.steps += int(ta.latest.taken[[*busy]].sum())
         if output is not None:
-            series = lanes.winding.whole_series(output.tcs)
-            outgrown |= lanes.winding.outgrown(output.tcs[:, :, 0])
-            trusted = {k: _trusted_until(output.times[:, k]) for k in passed}
-            paths = Paths(output.times, series)
+            paths = Paths(output.times, lanes.winding.whole_series(output.tcs))
+            collapsed = np.flatnonzero(lanes.steps.has_collapsed).tolist()
+            trusted = {k: _trusted_until(output.times[:, k]) for k in collapsed}
             self.collect(busy, paths, trusted)
-            for k, i in busy.items():
-                self.passages.enter_samples(i, [paths.first_step(k)], self.watch.width)
         for k, i in busy.items():
-            if k in passed and k not in broken:
-                self.fail(i, k, SINGULAR_PLACE)
-            elif outgrown[k]:
-                self.fail(i, k, OUTGROWN)
-            elif k in broken or k in stuck:
-                self.fail(i, k, INFINITE if k in broken else COLLAPSE)
-            elif output is None:
-                self.passages.note_range(i, ta.high[k], max(int(taken[k]), 1), (np.nan,) * 3)
+            if output is None:
+                passages.note_range(i, ta.high[k], max(int(ta.latest.taken[k]), 1), (np.nan,) * 3)
+            broken = not ta.alive[k]
+            if broken or lanes.steps.doubtful[k]:
+                why = INFINITE if broken else SINGULAR_PLACE
+                errors[k] = break_error(why, passages.reached[i], lanes.states[k])
+            elif passages.over(i):
+                self.ends[k] = ta.high[k]
+        passages.tell(self.motions.sound)
+        return errors
 
     def collect(self, busy: Mapping[int, int], paths: Paths, trusted: Mapping[int, float]) -> None:
         """Take in the crossings of the lanes that carry motions, each as far as it is trusted."""
         motions, watch, passages = self.motions, self.watch, self.passages
-        rows = np.array([motions.sound[0] if i is None else i for i in self.holds])
 
         def plane(t: np.ndarray, states: np.ndarray, lane: np.ndarray) -> np.ndarray:
-            own = motions.values[rows[lane]]
+            own = motions.values[self.rows[lane]]
             return watch.function(t, states, np.broadcast_to(own, (len(states), own.shape[-1])))
 
         found = zeros(paths, plane, watch.needed, passages.direction)
-        first = START_SHARE * paths.lengths[0]
+        begins = paths.times[0] == motions.time
+        after = np.where(begins, motions.time + START_SHARE * paths.lengths[0], -np.inf)
         for k, i in busy.items():
-            after, until = self.origin[k] + first[k], trusted.get(k, np.inf)
-            _keep(passages, watch.width, found, k, i, after, until)
+            _keep(passages, watch.width, found, k, i, after[k], trusted.get(k, np.inf))
             seen = (found.low[k], found.high[k], found.fastest[k])
             passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
-
-    def fail(self, i: int, lane: int, reason: str) -> None:
-        """Motion i cannot go on in its lane."""
-        reached = self.passages.reached[i]
-        time = reached if np.isfinite(reached) else self.motions.time
-        state = self.lanes.states[lane][: self.watch.width]
-        what = f"{reason} after t = {float(time):.12g}"
-        self.passages.errors[i] = self.motions.error(i, what, FEWER, float(time), state.copy())
-        self.load(lane, i)  # a lane that is not finite would stop all others
+            passages.enter_samples(i, [paths.first_step(k)], watch.width)
 
 
 def _trusted_until(times: np.ndarray) -> float:
