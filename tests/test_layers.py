@@ -204,3 +204,14 @@ def test_no_more_tests_take_names_from_inside_of_rooms() -> None:
 )
 def test_a_name_from_inside_of_a_room_is_found(text: str, count: int) -> None:
     assert len(inside(text)) == count
+
+
+def test_cases_that_others_show_are_tests() -> None:
+    """What runs with ``--every`` alone: each line of the list names a test of tables."""
+    lines = (ROOT / "tests" / "shown_by_others.txt").read_text("utf-8").splitlines()
+    cases = [line for line in lines if line and not line.startswith("#")]
+    assert cases and len({*cases}) == len(cases)
+    for case in cases:
+        file, _, name = case.partition("[")[0].partition("::")
+        text = (ROOT / "tests" / file).read_text("utf-8")
+        assert f"def {name}(" in text or f"{name} = conformance(" in text, case
