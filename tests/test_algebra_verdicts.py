@@ -401,6 +401,7 @@ def test_huge_input_is_answered(sides):
     assert not prove_equal(*sides).refuted
 
 
+@pytest.mark.slow
 def test_deep_input_is_answered():
     deep = x
     for _ in range(100):

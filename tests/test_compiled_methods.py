@@ -243,6 +243,7 @@ def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
     assert reason in methods.METHODS["heyoka"].absence
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_where_heyoka_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,6 +59,7 @@ def test_a_wrong_body_is_refuted() -> None:
         assert found.equalities[0].verdict.refuted and not found.proved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rolling_disc", "chaos_pendulum", "three_wheeled_carriage"])
 def test_bodies_of_models_of_sympy(name: str) -> None:
     """The bodies and loads of a model, which its Lagrangian and forces were made of otherwise."""

@@ -156,6 +156,7 @@ def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins:
     assert motion.animate(tmp_path / file).read_bytes().startswith(begins)
 
 
+@pytest.mark.slow
 def test_a_film_by_the_ffmpeg_of_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the machine has none; the frames reach it, and the file that it writes is the film."""
     program = tmp_path / "ffmpeg"

@@ -123,6 +123,7 @@ def test_a_pendulum_that_turns_over_closes_up_to_a_turn() -> None:
     assert orbit.period == pytest.approx(4 / speed * ellipk(square), abs=1e-10)
 
 
+@pytest.mark.slow
 def test_periods_double_where_mathieu_functions_say() -> None:
     """delta + epsilon A cos t with t = 2 s is Mathieu's equation, a = 4 delta, q = -2 epsilon A;
     solutions change their sign after a period of x on a_1 and b_1."""
@@ -431,6 +432,7 @@ def test_the_command_line_tells_orbits(capsys: pytest.CaptureFixture[str]) -> No
     assert "neither a proved integral nor a parameter" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_portraits_of_henon_and_heiles_are_symmetric_and_tell_chaos() -> None:
     sections = []
     for energy, lows in ((1 / 12, (0.1, 0.3)), (1 / 8, (0.3, -0.15))):

@@ -45,6 +45,7 @@ def test_a_steady_motion_stays_as_it_is() -> None:
     assert max(np.ptp(found[name]) for name in ("theta", "q", "s")) < 1e-10
 
 
+@pytest.mark.slow
 def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> None:
     found = vo.steady(vo.load("suslov"))
     # rest is one of the line of turns, where the linearisation vanishes
@@ -71,6 +72,7 @@ def test_steady_motions_are_called_as_in_mechanics(
     assert moving(name, at, starts=20).kind == kind
 
 
+@pytest.mark.slow
 def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
     ball = moving("chaplygin-ball", {"gamma2": 1, "omega2": 1})
     assert ball.verdict.word == "unstable" and ball.verdict.proved
@@ -132,6 +134,7 @@ def test_a_free_body_is_proved_stable_about_its_least_and_its_largest_axis(axis:
 
 
 # C^2 w^2 = 4 A m g l is 4 for these values
+@pytest.mark.slow
 @pytest.mark.parametrize(("spin", "word"), [("201/100", "stable"), ("199/100", "unstable")])
 def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word: str) -> None:
     top = body("top", (1, 1, 1), lambda _a, _b, gamma3: gamma3)
@@ -146,6 +149,7 @@ def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word
     assert hanging.is_rest and hanging.verdict.word == "stable" and hanging.verdict.proved
 
 
+@pytest.mark.slow
 def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> None:
     # the axes of the largest and of the least moment of a ball
     for axis in (1, 3):
@@ -189,6 +193,7 @@ def test_instability_by_a_double_eigenvalue_is_proved() -> None:
     assert ring.dimension == 1 and ring.verdict.word == "spectrally stable"
 
 
+@pytest.mark.slow
 def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     board = vo.load("snakeboard")
     with pytest.raises(DefinitionError, match="of constants: phidot = "):
@@ -197,6 +202,7 @@ def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     assert found[0].dimension >= 2 and found[0].verdict.word == "spectrally stable"
 
 
+@pytest.mark.slow
 def test_a_spherical_pendulum_hangs_and_stands_at_the_poles_of_its_coordinates() -> None:
     cones = [m for m in vo.steady(SPHERICAL) if "alpha" in m.point]
     assert cones and all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in cones)
@@ -215,6 +221,7 @@ def test_steady_cones_of_a_spherical_pendulum() -> None:
         assert abs(cone.spectrum[-1].imag) == pytest.approx(frequency)
 
 
+@pytest.mark.slow
 def test_a_bead_at_the_critical_speed_is_alone_and_not_linearly_attracted() -> None:
     for at in ({}, {"alpha": 0}):
         low = next(m for m in vo.steady(BEAD, at=at, parameters={OMEGA: 3}) if m.y[0] == 0)
@@ -232,6 +239,7 @@ def test_an_oscillator_of_van_der_pol_loses_stability_at_zero(low: float) -> Non
     assert critical.value == pytest.approx(0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_roots_are_not_negative() -> None:
     for motion in vo.steady(vo.load("rattleback"), at={"omega3": 1}):
         assert motion.point["height"] > 0
@@ -258,6 +266,7 @@ def test_the_critical_spin_of_a_disc_on_its_edge_turning_about_the_vertical() ->
         assert abs(critical.exact**2 - mp.mpf(4) / 5) < 1e-25
 
 
+@pytest.mark.slow
 def test_a_rattleback_is_stable_one_way_above_a_threshold() -> None:
     motion = moving("rattleback", {"gamma3": 1, "omega3": "1/2"})
     found = motion.along("omega3", (-2, 2), count=40)
@@ -358,6 +367,7 @@ def test_families_are_found_exactly_with_their_critical_values() -> None:
     assert [*family.ranges("omega1")] == [(-sp.oo, 0, 0), (0, sp.oo, 1)]
 
 
+@pytest.mark.slow
 def test_stability_is_told_by_ranges_with_exact_ends() -> None:
     at = {"gamma3": 0, "q": 0}
     found = vo.steady(vo.load("falling-disc"), at=at, starts=20, exact=True)
@@ -441,6 +451,7 @@ def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() 
     assert {*about.conditions["real"]} == {I1 - I3, I2 - I3}
 
 
+@pytest.mark.slow
 def test_an_elimination_beyond_its_budget_leaves_numbers(call: Call) -> None:
     answer = call("steady", "rattleback", "--exact", "--starts", "20", "--at", "omega3=1")
     assert answer.status == 0 and "the steady motions are known in numbers" in answer.err
