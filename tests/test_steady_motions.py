@@ -502,10 +502,11 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
         inverse = np.linalg.inv(np.array(MASS))
         below = -inverse @ np.hstack([9.81 * still + speed**2 * fast, speed * damping])
         printed = np.linalg.eigvals(np.vstack([np.eye(4)[2:], below]))
-        ours = family.at(speed).spectrum
+        there = family.at(speed)
+        ours = there.spectrum
         gaps = np.abs(ours[:, None] - printed[None, :]).min(axis=1)
         assert len(ours) == 4 and gaps.max() < 1e-11
-        exact = [e for e in family.at(speed).eigenvalues(20) if e != 0]
+        exact = [e for e in there.eigenvalues(20) if e != 0]
         for e in printed_eigenvalues(speed):
             off = min(abs(e - x) for x in exact)
             assert off < (7e-13 if str(e.real).startswith("-18.15") else 1.1e-13)
