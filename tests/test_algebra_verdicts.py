@@ -337,6 +337,7 @@ def grown(children):
 terms = st.recursive(leaves, grown, max_leaves=5)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(terms, terms, st.integers(-40, 40), st.integers(-40, 40))
 def test_what_is_proved_holds_at_points_chosen_afterwards(left, right, p, q):

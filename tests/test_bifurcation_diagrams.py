@@ -69,6 +69,7 @@ def test_tori_are_counted_in_every_region():
     assert found.kind(0.0, 0.3) == "critical" and found.kind(9, 9) == "not told"
 
 
+@pytest.mark.slow
 def test_a_point_answers_with_a_motion_on_its_level():
     found, sides = wells(), set()
     for component in (0, 1):
@@ -119,6 +120,7 @@ def test_curves_of_chaplygins_ball_end_at_its_steady_motions():
     assert {r.components for r in found.regions if r.share > 0.01} == {0, 2}
 
 
+@pytest.mark.slow
 def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     disc = vo.load("falling-disc")
     found = integral_map_of(disc, None, {})
@@ -129,6 +131,7 @@ def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     assert np.ptp(values, axis=0).max() < 1e-8 and np.ptp(points[:, 0]) > 0.1
 
 
+@pytest.mark.slow
 def test_a_parameter_may_be_an_axis():
     found = vo.bifurcation_diagram(
         vo.load("rubber-ball-on-sphere"), axes=("energy", "R1"), starts=5

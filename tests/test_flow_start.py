@@ -85,6 +85,7 @@ def test_where_no_point_is_near_projection_refuses_too() -> None:
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_relations_may_hold_the_time() -> None:
     growing = x**2 + y**2 + z**2 - (1 + vo.time) ** 2
     late, start = [1.0], {x: 1.2, z: 1.6}

@@ -206,6 +206,7 @@ def test_what_is_not_damped_has_no_real_part_at_all() -> None:
     assert all(abs(e.imag - w) < 1e-14 for e, w in zip(found, frequencies, strict=True))
 
 
+@pytest.mark.slow
 def test_eigenvalues_that_are_many_fold_have_all_their_digits() -> None:
     """Four bodies that push one another in a row, in mixed coordinates: one eigenvalue, eight-fold,
     of which the numbers of 247 bits told nine digits."""

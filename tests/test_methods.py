@@ -46,6 +46,7 @@ def test_reactions_are_those_of_the_textbook() -> None:
     assert text["disc, moment 2"] == "0"  # about the radius through the contact
 
 
+@pytest.mark.slow
 def test_a_wrong_body_is_refuted() -> None:
     """A force that is no weight, an inertia that the Lagrangian does not hold."""
     disc = vo.load("falling-disc")

@@ -126,6 +126,7 @@ def test_equations_are_shown_on_a_terminal(
     assert lines[0].startswith("sleigh") and any(line.startswith("  xdot") for line in lines)
 
 
+@pytest.mark.slow
 def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> None:
     motion = results["trajectory"]
     figure = motion.plot(["v", "w"])

@@ -345,6 +345,7 @@ def test_an_unstable_cycle_is_found_among_motions_that_blow_up() -> None:
         vo.periodic(backwards, initial={x: 2.1})
 
 
+@pytest.mark.slow
 def test_exponents_of_lorenz_are_as_published() -> None:
     found = vo.exponents(
         lorenz(), initial={"x": 1, "y": 1, "z": 20}, variables=("x", "y", "z"), bar=0.01

@@ -169,6 +169,7 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
 
+@pytest.mark.slow
 def test_functions_that_constraints_hold_need_no_declaration() -> None:
     x, y, z = sp.symbols("x y z")
     vx, vy, vz = map(vo.velocity, (x, y, z))
@@ -351,6 +352,7 @@ def test_what_drives_a_system_is_found() -> None:
         vo.steady(system, at={"xdot": 2})
 
 
+@pytest.mark.slow
 def test_families_are_found_exactly_with_their_critical_values() -> None:
     m, g, R, A, C, s = sp.symbols("m g R A C s")
     found = vo.steady(vo.load("falling-disc"), at={"gamma3": 0, "q": 0}, starts=20, exact=True)
@@ -443,6 +445,7 @@ def test_a_sphere_of_routh_stands_on_its_light_side_above_a_spin() -> None:
     assert sp.expand(condition) in {sp.expand(f) for f in top.conditions["meeting"]}
 
 
+@pytest.mark.slow
 def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() -> None:
     found = vo.steady(vo.load("chaplygin-ball"), starts=20, exact=True)
     assert sorted(f.dimension for f in found.families) == [1, 1, 1, 1, 1, 1, 2]
@@ -580,6 +583,7 @@ def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
         vo.steady(vo.load("falling-disc"), **option)
 
 
+@pytest.mark.slow
 def test_charts_count_unstable_eigenvalues() -> None:
     motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
     with pytest.raises(DefinitionError, match="must be positive"):
