@@ -27,18 +27,35 @@ with suppress(ImportError):
 
 # A package of somebody else: its tests run where it is installed, in ``test_conformance``.
 collect_ignore = ["plugin_package"]
+SHOWN_BY_OTHERS = Path(__file__).with_name("shown_by_others.txt")
+"""Cases, and the cases beside them that show what they show."""
+
+
+def shown_by_others() -> tuple[str, ...]:
+    """How the names of those cases begin: ``test_file.py::test_name[case``."""
+    lines = SHOWN_BY_OTHERS.read_text("utf-8").splitlines()
+    return tuple(f"tests/{line}" for line in lines if line and not line.startswith("#"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """How much is run of tables of cases and methods."""
-    parser.addoption("--every", action="store_true", help="every case by every method")
+    parser.addoption("--every", action="store_true", help="every case, by every method")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Of a table of cases and methods each case goes by one method, and each method has its share
-    of them; all go with ``--every``, those of a ``contract``, and what is named one by one."""
-    if config.getoption("every") or any("[" in word for word in config.args) or not HEYOKA:
+    """Cases that others show are left out.  Of a table of cases and methods each case goes by one
+    method, and each method has its share of them; those of a ``contract`` go by all of them.
+
+    All go with ``--every``, and what is named one by one.
+    """
+    if config.getoption("every") or any("[" in word for word in config.args):
+        return
+    shown = shown_by_others()
+    left = {item for item in items if item.nodeid.startswith(shown)}
+    items[:] = [item for item in items if item not in left]
+    if not HEYOKA:
+        config.hook.pytest_deselected(items=[*left])
         return
     tables: dict[tuple[object, str], list[tuple[pytest.Item, int, tuple[int, ...]]]] = {}
     for item in items:
@@ -48,13 +65,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if "method" in params and not item.get_closest_marker("contract"):
             method, case = id(params.pop("method")), tuple(map(id, params.values()))
             tables.setdefault((item.parent, item.originalname), []).append((item, method, case))
-    left = set()
     for table in tables.values():
         methods = list(dict.fromkeys(method for _, method, _ in table))
         cases = list(dict.fromkeys(case for _, _, case in table))
         period = min(len(methods), len(cases))
         left |= {i for i, m, c in table if (methods.index(m) - cases.index(c)) % period}
-    config.hook.pytest_deselected(items=[item for item in items if item in left])
+    config.hook.pytest_deselected(items=[*left])
     items[:] = [item for item in items if item not in left]
 
 

@@ -59,6 +59,7 @@ def test_what_needs_all_of_its_angles_stays_in_them(expr):
     assert vo.prove_equal(found, expr).proved
 
 
+@pytest.mark.slow
 def test_random_polynomials_in_differences_keep_their_value():
     dice = random.Random(4)
     for _ in range(12):

@@ -337,6 +337,7 @@ def grown(children):
 terms = st.recursive(leaves, grown, max_leaves=5)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(terms, terms, st.integers(-40, 40), st.integers(-40, 40))
 def test_what_is_proved_holds_at_points_chosen_afterwards(left, right, p, q):
@@ -401,6 +402,7 @@ def test_huge_input_is_answered(sides):
     assert not prove_equal(*sides).refuted
 
 
+@pytest.mark.slow
 def test_deep_input_is_answered():
     deep = x
     for _ in range(100):

@@ -147,6 +147,7 @@ def test_a_misprint_is_mended_by_one_change_that_is_proved(printed, correction):
     assert mended == formula.correction
 
 
+@pytest.mark.slow
 def test_what_becomes_of_a_proposed_correction_is_said():
     printed = "(x+y)^3=x^3+3x^2y+4xy^2+5y^3"
     missing = "no correction by a small change was found"
@@ -410,6 +411,7 @@ def test_accelerations_that_nobody_gave_refute_nothing():
     assert one(r"\dot x=w", study=study).verdict == "proved"
 
 
+@pytest.mark.slow
 def test_an_equation_of_motion_is_refuted_at_a_state_of_the_motion_alone():
     """Two masses that pull at each other: rows of mass * vdot - force, and what follows of both."""
     n, u = sp.symbols("n u")

@@ -107,6 +107,7 @@ def test_a_density_times_an_integral_is_a_density_and_times_another_function_is_
     assert wrong.refuted and wrong.witness.left != wrong.witness.right
 
 
+@pytest.mark.slow
 def test_the_measure_of_chaplygins_ball_needs_its_root():
     """Chaplygin's multiplier sqrt(1 - D (gamma, (I + D)^-1 gamma)) and sin(theta), both."""
     ball = vo.load("chaplygin-ball")
@@ -117,6 +118,7 @@ def test_the_measure_of_chaplygins_ball_needs_its_root():
         assert verdict_on(ball, measure=wrong).refuted
 
 
+@pytest.mark.slow
 def test_demchenkos_measure_is_the_volume_of_both_spheres():
     ball = vo.load("demchenko")
     u, u1 = sp.symbols("u u1")

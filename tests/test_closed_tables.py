@@ -76,6 +76,7 @@ def test_continuous_angles_are_those_modulo_a_turn_and_never_jump(ball):
     assert np.abs(whole["v1"]).max() > 2 * np.pi or np.abs(whole["theta"]).max() > 2 * np.pi
 
 
+@pytest.mark.slow
 def test_longitudes_are_right_where_a_turned_motion_passes_near_a_pole(ball):
     """Doubles tell them by an angle of the size of the colatitude's sine."""
     form = vo.closed_form(ball, initial={**START, "u1": R(1, 20000), "tau": 0})

@@ -164,6 +164,7 @@ def test_systems_of_the_catalogue_move_as_by_scipy(name: str) -> None:
         assert np.abs(here[output] - there[output]).max() < 1e-8, output
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_a_kept_library_is_read_and_a_damaged_one_is_named_and_made_anew(
@@ -188,6 +189,7 @@ def test_a_kept_library_is_read_and_a_damaged_one_is_named_and_made_anew(
         assert (moved("c")["x"] == first).all()
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_what_cannot_be_kept_runs_all_the_same() -> None:
@@ -243,6 +245,7 @@ def test_a_heyoka_that_cannot_be_imported_counts_as_absent(
     assert reason in methods.METHODS["heyoka"].absence
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_where_heyoka_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -333,6 +336,7 @@ def test_kept_code_is_read_and_damaged_code_is_named_and_made_anew(
         assert (moved("numba")["x"] == first["x"]).all()
 
 
+@pytest.mark.slow
 @NO_COMPILER
 @pytest.mark.usefixtures("empty_cache")
 def test_auto_takes_it_for_heavy_programs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -376,6 +380,7 @@ def damped(rate: float, tol: float) -> tuple[vo.Trajectory, float]:
     return run, float(max(np.abs(run["x"] - way).max(), np.abs(run["xdot"] - v).max()))
 
 
+@pytest.mark.slow
 def test_stiff_motions_are_recognised() -> None:
     """A damping that takes explicit methods 1.6 million steps, and one that does not."""
     run, error = damped(1e6, 1e-9)

@@ -435,6 +435,7 @@ def test_saving_keeps_every_digit(tmp_path: Any) -> None:
             traj.save(tmp_path / path)
 
 
+@pytest.mark.slow
 def test_errors_of_steps_by_scipy_add_up_to_less_than_those_of_scipy_alone() -> None:
     """A pendulum over 1202 steps, against 22 digits and the same method without our care, at the
     tolerance that a step of ours may use up."""

@@ -156,6 +156,7 @@ def test_growth_through_a_singular_split(spin: float) -> None:
     assert np.abs(run["u"] - np.sin(spin * run.t) / spin).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_growth_through_charts() -> None:
     """A point on a sphere beside them, on a great circle that passes next to the poles."""
     made = repelling(

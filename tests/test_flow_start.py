@@ -85,6 +85,7 @@ def test_where_no_point_is_near_projection_refuses_too() -> None:
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_relations_may_hold_the_time() -> None:
     growing = x**2 + y**2 + z**2 - (1 + vo.time) ** 2
     late, start = [1.0], {x: 1.2, z: 1.6}
@@ -186,6 +187,7 @@ def test_bad_input_is_told_in_one_line_that_names_the_system_once(
     assert "\n" not in text and text.count("system 'edge'") <= 1 and len(text) < 250
 
 
+@pytest.mark.slow
 def test_parameters_without_which_the_equations_mean_nothing_are_named() -> None:
     with pytest.raises(vo.DefinitionError, match="not defined for R1 = -1, R2 = 1") as caught:
         vo.integrate(vo.load("ball-on-sphere"), times=[0, 1], parameters={"R1": -1})

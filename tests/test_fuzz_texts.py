@@ -22,6 +22,7 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     os.chdir(here)
 
 
+@pytest.mark.slow
 def test_texts_are_refused_in_one_line_and_never_run(opened: Any) -> None:
     assert [found for found in map(opened, range(150)) if found[2]] == []
 

@@ -42,6 +42,7 @@ def test_what_was_made_inside_is_old(collection: None) -> None:
     assert gc.isenabled() and young() == 0
 
 
+@pytest.mark.slow
 def test_what_nobody_holds_is_found_by_a_search_of_all(collection: None) -> None:
     with no_collection():
         made = [weakref.ref(Loop()) for _ in range(1_000)]
@@ -49,6 +50,7 @@ def test_what_nobody_holds_is_found_by_a_search_of_all(collection: None) -> None
     assert all(loop() is None for loop in made)
 
 
+@pytest.mark.slow
 def test_what_somebody_froze_stays_frozen(collection: None) -> None:
     gc.freeze()
     frozen = gc.get_freeze_count()

@@ -35,6 +35,7 @@ def test_lower_layers_never_import_upper_ones() -> None:
     assert answer.returncode == 0, answer.stdout
 
 
+@pytest.mark.slow
 def test_a_breach_is_noticed(tmp_path: Path) -> None:
     skip = shutil.ignore_patterns("__pycache__")
     for folder in ("voronec", "systems"):
@@ -63,6 +64,7 @@ def test_modules_import_one_another_in_no_circle() -> None:
     assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [{"b", "c"}]
 
 
+@pytest.mark.slow
 def test_folders_of_motion_are_entered_by_their_fronts() -> None:
     house = tool("measure_house")
     graph = house.imports()
@@ -112,6 +114,7 @@ def reaches(text: str, names: set[str]) -> Iterator[str]:
         yield from (name for name in found if name in names)
 
 
+@pytest.mark.slow
 def test_tests_reach_no_private_name_of_the_house() -> None:
     folders = [ROOT / folder for folder in ("voronec", "systems", "tools")]
     names = private_names(p for folder in folders for p in folder.rglob("*.py"))
@@ -137,6 +140,7 @@ def test_a_reach_for_a_private_name_is_found(text: str, count: int) -> None:
     assert [*reaches(text, {"_heap"})] == ["_heap"] * count
 
 
+@pytest.mark.slow
 def test_an_underscore_says_what_is_private() -> None:
     """Fronts, and modules whose names are public, list these; inside of rooms an underscore says
     what a module keeps to itself, and none takes such a name from another."""
@@ -204,3 +208,14 @@ def test_no_more_tests_take_names_from_inside_of_rooms() -> None:
 )
 def test_a_name_from_inside_of_a_room_is_found(text: str, count: int) -> None:
     assert len(inside(text)) == count
+
+
+def test_cases_that_others_show_are_tests() -> None:
+    """What runs with ``--every`` alone: each line of the list names a test of tables."""
+    lines = (ROOT / "tests" / "shown_by_others.txt").read_text("utf-8").splitlines()
+    cases = [line for line in lines if line and not line.startswith("#")]
+    assert cases and len({*cases}) == len(cases)
+    for case in cases:
+        file, _, name = case.partition("[")[0].partition("::")
+        text = (ROOT / "tests" / file).read_text("utf-8")
+        assert f"def {name}(" in text or f"{name} = conformance(" in text, case

@@ -45,6 +45,7 @@ def upright(system: vo.System) -> dict[str, Any]:
     return still | {p.name: p.value for p in system.parameters}
 
 
+@pytest.mark.slow
 def test_the_bicycle_has_the_published_eigenvalues_at_eleven_speeds() -> None:
     system = vo.load("bicycle")
     found = vo.linearise(vo.derive(system), upright(system))
@@ -129,6 +130,7 @@ OPERATING: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [pytest.param(n, marks=pytest.mark.slow) if "pendulum" in n else n for n in OPERATING],
@@ -204,6 +206,7 @@ def test_what_is_not_damped_has_no_real_part_at_all() -> None:
     assert all(abs(e.imag - w) < 1e-14 for e, w in zip(found, frequencies, strict=True))
 
 
+@pytest.mark.slow
 def test_eigenvalues_that_are_many_fold_have_all_their_digits() -> None:
     """Four bodies that push one another in a row, in mixed coordinates: one eigenvalue, eight-fold,
     of which the numbers of 247 bits told nine digits."""
@@ -443,6 +446,7 @@ def test_angles_at_a_state_in_general_keep_a_linearisation_short() -> None:
     assert abs(slope - found.A[6, 3].evalf(20)) < 1e-18 and found.A.evalf()  # not minutes
 
 
+@pytest.mark.slow
 def test_angles_that_stand_in_functions_with_corners_are_put_in_last_as_well() -> None:
     x, y = sp.symbols("x y")
     dx, dy = map(vo.velocity, (x, y))

@@ -37,6 +37,7 @@ def test_a_pendulum_by_its_rod_is_the_pendulum_by_its_angle() -> None:
         vo.integrate(rod, initial={x: 0.6, y: -0.7}, times=GRID)
 
 
+@pytest.mark.slow
 def test_a_loop_beside_a_rolling_constraint() -> None:
     """A blade that is held on a circle and heads elsewhere can but turn; a body goes round."""
     phi = sp.Symbol("phi")

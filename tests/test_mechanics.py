@@ -156,6 +156,7 @@ def test_places_that_no_function_of_the_coordinates_gives_are_fibre_coordinates(
     assert vo.derive(vo.from_mechanics(models.chaos_pendulum())).kind == "holonomic"
 
 
+@pytest.mark.slow
 def test_the_form_has_the_shapes_that_kanes_method_has() -> None:
     form = vo.derive(vo.from_mechanics(models.n_pendulum_on_a_cart())).to_mechanics()
     kane = models.n_pendulum_on_a_cart()
@@ -190,6 +191,7 @@ def test_plain_symbols_become_functions_of_the_time() -> None:
     assert all(isinstance(v, float) for v in form.constants.values())
 
 
+@pytest.mark.slow
 def test_pydy_integrates_it() -> None:
     system = pytest.importorskip("pydy.system")
     import numpy as np

@@ -46,6 +46,7 @@ def test_reactions_are_those_of_the_textbook() -> None:
     assert text["disc, moment 2"] == "0"  # about the radius through the contact
 
 
+@pytest.mark.slow
 def test_a_wrong_body_is_refuted() -> None:
     """A force that is no weight, an inertia that the Lagrangian does not hold."""
     disc = vo.load("falling-disc")
@@ -59,6 +60,7 @@ def test_a_wrong_body_is_refuted() -> None:
         assert found.equalities[0].verdict.refuted and not found.proved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rolling_disc", "chaos_pendulum", "three_wheeled_carriage"])
 def test_bodies_of_models_of_sympy(name: str) -> None:
     """The bodies and loads of a model, which its Lagrangian and forces were made of otherwise."""

@@ -98,6 +98,7 @@ def test_a_false_integral_is_never_used() -> None:
     assert kinds(model)["y"] == "quadrature"
 
 
+@pytest.mark.slow
 def test_an_integral_with_a_branch_is_never_used() -> None:
     # d/dx atan(2 tan x) = 2/(1 + 3 sin(x)^2), but the function jumps where x passes a quarter turn
     rate = 2 / (1 + 3 * sp.sin(x) ** 2)

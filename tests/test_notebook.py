@@ -126,6 +126,7 @@ def test_equations_are_shown_on_a_terminal(
     assert lines[0].startswith("sleigh") and any(line.startswith("  xdot") for line in lines)
 
 
+@pytest.mark.slow
 def test_a_trajectory_draws_itself(results: dict[str, Any], tmp_path: Path) -> None:
     motion = results["trajectory"]
     figure = motion.plot(["v", "w"])
@@ -156,6 +157,7 @@ def test_a_film_of_what_has_shapes(tmp_path: Path, name: str, file: str, begins:
     assert motion.animate(tmp_path / file).read_bytes().startswith(begins)
 
 
+@pytest.mark.slow
 def test_a_film_by_the_ffmpeg_of_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the machine has none; the frames reach it, and the file that it writes is the film."""
     program = tmp_path / "ffmpeg"

@@ -208,6 +208,7 @@ def test_what_is_printed_has_its_verdict(tmp_path, text, verdict):
     assert verdicts(audit(tmp_path, TRUE + text))[-1 if "for" not in text else 2] == verdict
 
 
+@pytest.mark.slow
 def test_a_model_in_matrices_is_proved_and_an_error_in_it_is_found(tmp_path):
     text = (HERE / "papers" / "aside" / "in_matrices.tex").read_text("utf-8")
     found = verdicts(audit(tmp_path, text))
@@ -219,6 +220,7 @@ def test_a_model_in_matrices_is_proved_and_an_error_in_it_is_found(tmp_path):
     assert verdicts(found).count("convention") == 2  # all formulas with C fail
 
 
+@pytest.mark.slow
 def test_a_vector_equation_gives_multipliers_and_is_compared(tmp_path):
     rows = [r"\dot\phi^2\cos\phi\\ \ddot y", r"\dot\phi^2\sin\phi\\ \ddot y"]
     text = (
@@ -287,6 +289,7 @@ def test_a_draft_reads_primes_stars_and_functions_by_name(call, name, held):
     assert held in call("audit", str(HERE / "papers" / f"{name}.tex")).out
 
 
+@pytest.mark.slow
 def test_the_command_tells_right_from_wrong(tmp_path, call):
     paper, system = str(NOTES / "disc.tex"), str(NOTES / "disc.toml")
     done = call("audit", paper, system, "--format", "md", "--out", "page")

@@ -64,6 +64,7 @@ def values(assignments: Any, results: Any, at: dict[Any, Any]) -> list[Any]:
 whole = st.integers(-4, 4)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     points=st.lists(whole, min_size=4, max_size=4),

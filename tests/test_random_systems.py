@@ -184,7 +184,7 @@ LONG_EXPONENTS = {"base": 3, "fibre": 1, "framed": True, "bent": True, "moving":
 """One whose exponents were written out, without end, in all the memory there was."""
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @example(3833, SUMS_BESIDE_SUMS)
 @example(126798201, LONG_EXPONENTS)
 @given(st.integers(0, 10**9), shapes)

@@ -82,6 +82,7 @@ def test_where_a_reaction_has_a_value_there_is_a_section() -> None:
     assert np.abs(many["reaction 1"][1] - alone["reaction 1"]).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_in_charts_and_for_all_multipliers_of_demchenkos_ball() -> None:
     """Its equations have charts, and as many constraints as free velocities."""
     ball = vo.load("demchenko")

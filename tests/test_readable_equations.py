@@ -136,6 +136,7 @@ def test_a_name_that_the_user_has_is_not_taken() -> None:
     assert not {"K", "L", "D", "J"} & {*taken}
 
 
+@pytest.mark.slow
 def test_a_false_identity_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A move that changes what is said is found by the proof, and the exact form stays."""
     system, fresh = vo.load("falling-disc"), {}

@@ -81,6 +81,7 @@ def test_products_of_two_sums_are_not_written_out() -> None:
     assert float(short.derivative.results[1].xreplace(known)) == pytest.approx(exact, rel=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["rolling_disc", "chaos_pendulum", pytest.param("four_bar_linkage", marks=pytest.mark.slow)],

@@ -35,6 +35,7 @@ def test_a_box_has_its_length_along_its_direction() -> None:
     assert corners == {(0, 4), (2, 4), (0, 0), (2, 0)}
 
 
+@pytest.mark.slow
 def test_a_picture_is_one_element_and_the_same_each_time() -> None:
     sketch = vo.load("sleigh").sketch
     assert sketch.svg().startswith("<svg") and sketch.svg() == sketch.svg()

@@ -45,6 +45,7 @@ def test_a_steady_motion_stays_as_it_is() -> None:
     assert max(np.ptp(found[name]) for name in ("theta", "q", "s")) < 1e-10
 
 
+@pytest.mark.slow
 def test_families_are_told_apart_by_what_vanishes_and_by_their_dimension() -> None:
     found = vo.steady(vo.load("suslov"))
     # rest is one of the line of turns, where the linearisation vanishes
@@ -71,6 +72,7 @@ def test_steady_motions_are_called_as_in_mechanics(
     assert moving(name, at, starts=20).kind == kind
 
 
+@pytest.mark.slow
 def test_instability_is_proved_by_an_enclosed_eigenvalue() -> None:
     ball = moving("chaplygin-ball", {"gamma2": 1, "omega2": 1})
     assert ball.verdict.word == "unstable" and ball.verdict.proved
@@ -132,6 +134,7 @@ def test_a_free_body_is_proved_stable_about_its_least_and_its_largest_axis(axis:
 
 
 # C^2 w^2 = 4 A m g l is 4 for these values
+@pytest.mark.slow
 @pytest.mark.parametrize(("spin", "word"), [("201/100", "stable"), ("199/100", "unstable")])
 def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word: str) -> None:
     top = body("top", (1, 1, 1), lambda _a, _b, gamma3: gamma3)
@@ -146,6 +149,7 @@ def test_a_sleeping_top_is_proved_stable_above_the_critical_spin(spin: str, word
     assert hanging.is_rest and hanging.verdict.word == "stable" and hanging.verdict.proved
 
 
+@pytest.mark.slow
 def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> None:
     # the axes of the largest and of the least moment of a ball
     for axis in (1, 3):
@@ -165,6 +169,7 @@ def test_stability_is_proved_where_integrals_are_definite_and_nowhere_else() -> 
     assert cone.verdict.word == "stable" and "momentum of phi" in cone.verdict.witness
 
 
+@pytest.mark.slow
 def test_functions_that_constraints_hold_need_no_declaration() -> None:
     x, y, z = sp.symbols("x y z")
     vx, vy, vz = map(vo.velocity, (x, y, z))
@@ -189,6 +194,7 @@ def test_instability_by_a_double_eigenvalue_is_proved() -> None:
     assert ring.dimension == 1 and ring.verdict.word == "spectrally stable"
 
 
+@pytest.mark.slow
 def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     board = vo.load("snakeboard")
     with pytest.raises(DefinitionError, match="of constants: phidot = "):
@@ -197,6 +203,7 @@ def test_a_constant_velocity_has_the_value_that_is_asked_for() -> None:
     assert found[0].dimension >= 2 and found[0].verdict.word == "spectrally stable"
 
 
+@pytest.mark.slow
 def test_a_spherical_pendulum_hangs_and_stands_at_the_poles_of_its_coordinates() -> None:
     cones = [m for m in vo.steady(SPHERICAL) if "alpha" in m.point]
     assert cones and all(abs(np.sin(m.point["alpha"])) > 1e-3 for m in cones)
@@ -215,6 +222,7 @@ def test_steady_cones_of_a_spherical_pendulum() -> None:
         assert abs(cone.spectrum[-1].imag) == pytest.approx(frequency)
 
 
+@pytest.mark.slow
 def test_a_bead_at_the_critical_speed_is_alone_and_not_linearly_attracted() -> None:
     for at in ({}, {"alpha": 0}):
         low = next(m for m in vo.steady(BEAD, at=at, parameters={OMEGA: 3}) if m.y[0] == 0)
@@ -232,6 +240,7 @@ def test_an_oscillator_of_van_der_pol_loses_stability_at_zero(low: float) -> Non
     assert critical.value == pytest.approx(0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_roots_are_not_negative() -> None:
     for motion in vo.steady(vo.load("rattleback"), at={"omega3": 1}):
         assert motion.point["height"] > 0
@@ -258,6 +267,7 @@ def test_the_critical_spin_of_a_disc_on_its_edge_turning_about_the_vertical() ->
         assert abs(critical.exact**2 - mp.mpf(4) / 5) < 1e-25
 
 
+@pytest.mark.slow
 def test_a_rattleback_is_stable_one_way_above_a_threshold() -> None:
     motion = moving("rattleback", {"gamma3": 1, "omega3": "1/2"})
     found = motion.along("omega3", (-2, 2), count=40)
@@ -342,6 +352,7 @@ def test_what_drives_a_system_is_found() -> None:
         vo.steady(system, at={"xdot": 2})
 
 
+@pytest.mark.slow
 def test_families_are_found_exactly_with_their_critical_values() -> None:
     m, g, R, A, C, s = sp.symbols("m g R A C s")
     found = vo.steady(vo.load("falling-disc"), at={"gamma3": 0, "q": 0}, starts=20, exact=True)
@@ -358,6 +369,7 @@ def test_families_are_found_exactly_with_their_critical_values() -> None:
     assert [*family.ranges("omega1")] == [(-sp.oo, 0, 0), (0, sp.oo, 1)]
 
 
+@pytest.mark.slow
 def test_stability_is_told_by_ranges_with_exact_ends() -> None:
     at = {"gamma3": 0, "q": 0}
     found = vo.steady(vo.load("falling-disc"), at=at, starts=20, exact=True)
@@ -433,6 +445,7 @@ def test_a_sphere_of_routh_stands_on_its_light_side_above_a_spin() -> None:
     assert sp.expand(condition) in {sp.expand(f) for f in top.conditions["meeting"]}
 
 
+@pytest.mark.slow
 def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() -> None:
     found = vo.steady(vo.load("chaplygin-ball"), starts=20, exact=True)
     assert sorted(f.dimension for f in found.families) == [1, 1, 1, 1, 1, 1, 2]
@@ -441,6 +454,7 @@ def test_turns_about_an_axis_of_a_ball_lose_stability_where_moments_are_equal() 
     assert {*about.conditions["real"]} == {I1 - I3, I2 - I3}
 
 
+@pytest.mark.slow
 def test_an_elimination_beyond_its_budget_leaves_numbers(call: Call) -> None:
     answer = call("steady", "rattleback", "--exact", "--starts", "20", "--at", "omega3=1")
     assert answer.status == 0 and "the steady motions are known in numbers" in answer.err
@@ -491,10 +505,11 @@ def test_the_bicycle_has_the_published_eigenvalues_and_critical_speeds() -> None
         inverse = np.linalg.inv(np.array(MASS))
         below = -inverse @ np.hstack([9.81 * still + speed**2 * fast, speed * damping])
         printed = np.linalg.eigvals(np.vstack([np.eye(4)[2:], below]))
-        ours = family.at(speed).spectrum
+        there = family.at(speed)
+        ours = there.spectrum
         gaps = np.abs(ours[:, None] - printed[None, :]).min(axis=1)
         assert len(ours) == 4 and gaps.max() < 1e-11
-        exact = [e for e in family.at(speed).eigenvalues(20) if e != 0]
+        exact = [e for e in there.eigenvalues(20) if e != 0]
         for e in printed_eigenvalues(speed):
             off = min(abs(e - x) for x in exact)
             assert off < (7e-13 if str(e.real).startswith("-18.15") else 1.1e-13)
@@ -568,6 +583,7 @@ def test_bad_arguments_are_refused(option: Mapping[str, Any]) -> None:
         vo.steady(vo.load("falling-disc"), **option)
 
 
+@pytest.mark.slow
 def test_charts_count_unstable_eigenvalues() -> None:
     motion = moving("falling-disc", {"gamma3": 0, "q": 0, "s": 1})
     with pytest.raises(DefinitionError, match="must be positive"):

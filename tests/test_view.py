@@ -135,6 +135,7 @@ def test_the_page_integrates_as_python_does(name: str) -> None:
     assert all(i["drift"] < 1e-11 for i in motion["integrals"])
 
 
+@pytest.mark.slow
 @needs_node
 def test_another_start_and_other_parameters_as_sliders_give_them() -> None:
     page = page_of("vertical-disc")
@@ -291,6 +292,7 @@ def test_shapes_of_one_line_stand_on_the_ground() -> None:
         np.testing.assert_allclose(points.max(axis=0), high, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_has_no_page_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

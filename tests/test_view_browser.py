@@ -154,6 +154,7 @@ def script(tab: browser.Tab) -> float:
     return float(next(m["value"] for m in found if m["name"] == "ScriptDuration"))
 
 
+@pytest.mark.slow
 def test_the_page_may_not_ask_a_network(tab: browser.Tab, tmp_path: Path) -> None:
     opened(tab, tmp_path, text_of(BALL))
     tab.value("void fetch('http://127.0.0.1:9/').catch(() => { window.refused = true; })")
@@ -197,6 +198,7 @@ def test_sliders_integrate_in_the_page(tab: browser.Tab, tmp_path: Path) -> None
     assert not complaints(tab)
 
 
+@pytest.mark.slow
 def test_keys(tab: browser.Tab, tmp_path: Path) -> None:
     opened(tab, tmp_path, text_of(BALL))
     said = "document.getElementById('play').textContent"
