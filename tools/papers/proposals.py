@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from papers.trials import Fault, same_claim
-from voronec.audit.correction.units import Units
 from voronec.audit.latex.nodes import Chain
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tokens import tokenize
@@ -33,8 +32,8 @@ class Proposal:
 def judge(latex: str, fault: Fault) -> Proposal:
     """Whether a proposal restores what stood there, is equivalent to it, another one or senseless.
 
-    Senseless is what is not proved, says nothing, is not balanced, has another dimension than the
-    formula that stood there, or differs in more words from the error than that formula does.
+    Senseless is what is not proved, says nothing, or differs in more words from the error than the
+    formula that stood there does.
     """
     if any(_bare(latex) == _bare(true.printed) for true in fault.true):
         return Proposal("restored", latex)
@@ -53,17 +52,10 @@ def _senseless(new: Chain, latex: str, fault: Fault, study: Study) -> str:
         return "it says nothing"
     if not verify(new, check, study).verdict.proved:
         return "it is not proved"
-    units = Units.of(study)
-    if units is not None and units.is_unbalanced(new, study):
-        return "it is not balanced"
     trees = [(true.printed, true.tree(study.vocabulary)) for true in fault.true]
     stood = [(latex, tree) for latex, tree in trees if verify(tree, check, study).verdict.proved]
     if not stood:
         return ""  # what stood there is true under a convention only
-    if units is not None and units.dimension(new, study) not in [
-        units.dimension(tree, study) for _, tree in stood
-    ]:
-        return "it has another dimension"
     wrong = fault.formula.printed
     if _distance(latex, wrong) > min(_distance(true, wrong) for true, _ in stood):
         return "what stood there is nearer"

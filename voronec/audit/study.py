@@ -215,10 +215,6 @@ class Study:
         in words, how general the derived system is.
     source
         in words, what the values of the names were made from: a system, kinematics, a theorem.
-    system
-        the one whose Lagrangian gives the letters their units, where it is not that of ``context``.
-    units
-        symbol that the system does not hold -> expression of the same unit.
     """
 
     names: Mapping[str, Any]
@@ -242,19 +238,12 @@ class Study:
     letters: Mapping[str, str] = field(default_factory=dict)
     note: str = ""
     source: str = ""
-    system: Any = None
-    units: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
-
-    @property
-    def declared_system(self) -> Any:
-        """The system that was derived, if the dictionary tells; else ``None``."""
-        eqs = getattr(self.context, "eqs", self.context)
-        return self.system or getattr(eqs, "system", None)
 
     @property
     def origin(self) -> str:
         """``source``; without one, the derived system that the hooks find in ``context``."""
-        system = getattr(self.declared_system, "name", "")
+        eqs = getattr(self.context, "eqs", self.context)
+        system = getattr(getattr(eqs, "system", None), "name", "")
         return self.source or (f"the equations derived for the system '{system}'" if system else "")
 
     @cached_property

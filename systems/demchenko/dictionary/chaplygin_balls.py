@@ -271,7 +271,6 @@ class Ball:
             context=self,
             note="where (gamma, gamma) = 1" + self._epsilon_note,
             source="the equations derived for the system 'ball', in omega and the normal",
-            system=self.reduced.system,
         )
 
     @property

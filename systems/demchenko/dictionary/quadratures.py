@@ -242,16 +242,8 @@ class Level:
         found |= {r"\theta": self.theta, "F": self.F}
         return {name: sp.sympify(value).subs(x, sp.cos(u)) for name, value in found.items()}
 
-    @property
-    def units(self) -> dict[sp.Symbol, Any]:
-        """What of the system has the units of the letters that it does not have."""
-        found = {INERTIA: M * R2**2, RATIO: R2 / R1, x: sp.cos(u), **self.integrals}
-        return {**found, **dict.fromkeys(ROOTS.values(), sp.cos(u))}
-
     def study(self, given: Mapping[Any, Any], note: str = "") -> Study:
         """A dictionary with some of its symbols given."""
-        from .. import SYSTEM
-
         return Study(
             self.names(),
             motion=self.motion,
@@ -265,8 +257,6 @@ class Level:
             note=note,
             source="the equations derived for the system 'demchenko', and its integrals, by linear "
             "elimination",
-            system=SYSTEM,
-            units=self.units,
         )
 
     def studies(self) -> dict[str, Study]:

@@ -181,7 +181,6 @@ class Rubber:
             source="the equations derived for the system 'rubber-ball', which does not turn about "
             "the normal, and those of the system 'ball', which does",
             note="where (gamma, gamma) = 1 and (omega, gamma) = 0",
-            system=self.reduced.system,
         )
 
 

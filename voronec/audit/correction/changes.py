@@ -13,6 +13,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from voronec.audit.latex.displays import RELATIONS, group_end, script_ranges
+from voronec.audit.latex.factors import (
+    CLOSERS,
+    EDGES,
+    FRACTIONS,
+    factor_end,
+    term_end,
+)
 from voronec.audit.latex.nodes import Elementary, Name, Number, Power, walk
 from voronec.audit.latex.reader import read
 from voronec.audit.latex.tables import BEGINNINGS, ENDS
@@ -185,12 +192,6 @@ def _with_squares(names: Sequence[str], study: Study) -> list[str]:
 
 _COMPANIONS = {"+": "-", "-": "+", "<": ">", ">": "<", "\\sin": "\\cos", "\\cos": "\\sin"}
 _NUMBERS = ("\\frac12", "2")
-_CLOSERS = {"(": ")", "[": "]", "{": "}"}
-_FRACTIONS = ("\\frac", "\\dfrac", "\\tfrac")
-_PREFIXES = frozenset(("\\partial", "\\dot", "\\ddot", "\\sqrt", "\\delta", *ELEMENTARY, *ACCENTS))
-"""Words that belong to what follows them."""
-_EDGES = frozenset(("+", "-", "\\pm", "\\mp", ",", *RELATIONS, *ENDS, *BEGINNINGS))
-"""Words between which terms stand."""
 _HEADS = {"(", "[", *RELATIONS, *BEGINNINGS, "&", "\\\\"}
 """Words behind which a first term stands."""
 
@@ -273,67 +274,28 @@ def _script_edits(words: Sequence[Token]) -> Iterator[Change]:
 
 def _omissions(words: Sequence[Token]) -> Iterator[Change]:
     """The formula without a word, then without a factor, a denominator, a term."""
-    structure = {*_CLOSERS, *_CLOSERS.values(), "^", "_", ",", *RELATIONS, *ENDS, *BEGINNINGS}
+    structure = {*CLOSERS, *CLOSERS.values(), "^", "_", ",", *RELATIONS, *ENDS, *BEGINNINGS}
     places = [i for i, word in enumerate(words) if word.text not in structure]
     yield from (_without(words, i, i + 1) for i in places)
     heads = [i for i, word in enumerate(words) if word.text in ("(", "[") or i in places]
-    yield from (_without(words, i, _factor_end(words, i)) for i in heads)
+    yield from (_without(words, i, factor_end(words, i)) for i in heads)
     for i, top, end in _braced_fractions(words):
         bottom = (words[top - 1].start, words[end - 1].end, "")
         yield Change(((words[i].start, words[i + 1].end, ""), bottom))
     for i, word in enumerate(words):
-        if i == 0 or word.text in ("+", "-") or words[i - 1].text in {*_CLOSERS, *RELATIONS}:
-            yield _without(words, i, _term_end(words, i))
+        if i == 0 or word.text in ("+", "-") or words[i - 1].text in {*CLOSERS, *RELATIONS}:
+            yield _without(words, i, term_end(words, i))
 
 
 def _without(words: Sequence[Token], start: int, end: int) -> Change:
     """Words left out, with the space behind a command, or the plus sign after a first term."""
-    leads = start == 0 or words[start - 1].text in {*RELATIONS, *_CLOSERS}
+    leads = start == 0 or words[start - 1].text in {*RELATIONS, *CLOSERS}
     last, after = words[end - 1].end, words[end : end + 1]
     if after and leads and after[0].text == "+":
         last = after[0].end
     elif after and leads and words[end - 1].text.startswith("\\"):
         last = after[0].start
     return Change.at(words[start].start, last, "")
-
-
-def _factor_end(words: Sequence[Token], start: int) -> int:
-    """The position behind the factor that starts at ``start``, with its primes and scripts."""
-    word, end = words[start].text, start + 1
-    if word in _CLOSERS:
-        end = _bracket_end(words, start)
-    elif word in _FRACTIONS:
-        end = _fraction_ends(words, start)[1]
-    elif word in _PREFIXES and end < len(words) and words[end].text not in {"^", *_EDGES}:
-        end = _factor_end(words, end)
-    while end < len(words) and words[end].text in ("_", "^", "'", '"'):
-        end = group_end(words, end + 1) if words[end].text in ("_", "^") else end + 1
-    return end
-
-
-def _fraction_ends(words: Sequence[Token], start: int) -> tuple[int, int]:
-    r"""The positions behind the numerator and the denominator; ``\frac12`` has two digits."""
-    top = group_end(words, start + 1)
-    digits = top <= len(words) and words[top - 1].kind == "number" and top == start + 2
-    return top, top if digits and len(words[top - 1].text) > 1 else group_end(words, top)
-
-
-def _bracket_end(words: Sequence[Token], start: int) -> int:
-    """The position behind the bracket that closes the one at ``start``; the next one without it."""
-    depth = 0
-    for position, word in enumerate(words[start:], start=start):
-        depth += (word.text in _CLOSERS) - (word.text in _CLOSERS.values())
-        if depth == 0:
-            return position + 1
-    return start + 1
-
-
-def _term_end(words: Sequence[Token], start: int) -> int:
-    """The position behind the term at ``start``, which may begin with its sign."""
-    end = start + 1 if words[start].text in _EDGES else start
-    while end < len(words) and words[end].text not in {*_EDGES, *_CLOSERS.values()}:
-        end = _bracket_end(words, end)
-    return max(end, start + 1)
 
 
 def _put_in(words: Sequence[Token], texts: Sequence[str]) -> Iterator[Change]:
@@ -343,10 +305,10 @@ def _put_in(words: Sequence[Token], texts: Sequence[str]) -> Iterator[Change]:
         i
         for i, word in enumerate(words)
         if i not in scripts
-        and word.text not in _EDGES
-        and (i == 0 or words[i - 1].text in {*_EDGES, *_CLOSERS})
+        and word.text not in EDGES
+        and (i == 0 or words[i - 1].text in {*EDGES, *CLOSERS})
     ]
-    places = [(_numeral_end(words, i), _term_end(words, i)) for i in heads]
+    places = [(_numeral_end(words, i), term_end(words, i)) for i in heads]
     for text in texts:
         for start, end in places:
             number = text in _NUMBERS
@@ -360,8 +322,8 @@ def _put_in(words: Sequence[Token], texts: Sequence[str]) -> Iterator[Change]:
 
 def _numeral_end(words: Sequence[Token], start: int) -> int:
     """The position behind the number, or the fraction of numbers, that may stand at ``start``."""
-    end = _factor_end(words, start)
-    inside = words[start + (words[start].text in _FRACTIONS) : end]
+    end = factor_end(words, start)
+    inside = words[start + (words[start].text in FRACTIONS) : end]
     return end if all(w.kind == "number" or w.text in "{}" for w in inside) else start
 
 
@@ -420,7 +382,7 @@ def _differentials(words: Sequence[Token]) -> Iterator[Change]:
 def _braced_fractions(words: Sequence[Token]) -> Iterator[tuple[int, int, int]]:
     """Where fractions with braces start, and the positions behind both of their halves."""
     for i, word in enumerate(words):
-        if word.text in _FRACTIONS and [w.text for w in words[i + 1 : i + 2]] == ["{"]:
+        if word.text in FRACTIONS and [w.text for w in words[i + 1 : i + 2]] == ["{"]:
             top = group_end(words, i + 1)
             if top + 1 < len(words) and words[top].text == "{":
                 yield i, top, group_end(words, top)
@@ -433,7 +395,7 @@ def _missing_relations(words: Sequence[Token]) -> Iterator[Change]:
     yield Change.at(words[-1].end, words[-1].end, "=0")
     depth = 0
     for word in words:
-        depth += (word.text in _CLOSERS) - (word.text in _CLOSERS.values())
+        depth += (word.text in CLOSERS) - (word.text in CLOSERS.values())
         if depth == 0 and word.text in ("+", "-") and word is not words[0]:
             yield Change.at(word.start, word.end, "=")
 
@@ -449,7 +411,7 @@ def repairs(printed: str) -> list[Change]:
     last = words[-1].end
     ends = [w.end for w in reversed(words) if w.start >= opened[-1].end]
     at_end = [Change.at(last, last, _closers(opened))] if len(opened) > 1 else []
-    return at_end + [Change.at(end, end, _CLOSERS[opened[-1].text]) for end in ends]
+    return at_end + [Change.at(end, end, CLOSERS[opened[-1].text]) for end in ends]
 
 
 def close_brackets(printed: str, vocabulary: LatexVocabulary | None = None) -> str | None:
@@ -469,13 +431,13 @@ def _open_brackets(words: Sequence[Token]) -> list[Token]:
     """Those that nothing closes; a bracket may close behind one inside it that does not."""
     opened: list[Token] = []
     for word in words:
-        if word.text in _CLOSERS:
+        if word.text in CLOSERS:
             opened.append(word)
-        fitting = [w for w in opened if _CLOSERS[w.text] == word.text]
+        fitting = [w for w in opened if CLOSERS[w.text] == word.text]
         if fitting:
             opened.remove(fitting[-1])
     return opened
 
 
 def _closers(opened: Sequence[Token]) -> str:
-    return "".join(_CLOSERS[word.text] for word in reversed(opened))
+    return "".join(CLOSERS[word.text] for word in reversed(opened))

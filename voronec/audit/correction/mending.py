@@ -21,7 +21,6 @@ from voronec.audit.correction.changes import (
     single_changes,
 )
 from voronec.audit.correction.screen import Screen
-from voronec.audit.correction.units import Units
 from voronec.audit.display import Check
 from voronec.audit.formula import Formula
 from voronec.audit.latex.nodes import (
@@ -128,11 +127,6 @@ class _Case:
         texts = [unit.display[slice(*piece.at)] for unit in units for piece in unit.pieces]
         return frozenset(map(_bare, texts)) - {_bare(self.formula.printed)}
 
-    @cached_property
-    def units(self) -> Units | None:
-        """The units of the letters, as far as a system tells."""
-        return Units.of(self.study)
-
     def proof_of(self, latex: str) -> str | None:
         """How a formula is proved that says what the print said, and nothing idle."""
         try:
@@ -142,13 +136,22 @@ class _Case:
             finding = verify(chain, self.check, self.study)
             if not (finding.verdict.proved and finding.count):
                 return None
-            if any(_is_zero(term, self.study) for term in _terms(chain) - _terms(self.chain)):
+            if any(self._adds_nothing(t, chain) for t in _terms(chain) - _terms(self.chain)):
                 return None  # a term of it is struck, in effect
-            if self.units is not None and self.units.is_unbalanced(chain, self.study):
-                return None  # what it adds vanishes apart
         except SENSELESS:
             return None  # the changed formula has no meaning
         return finding.verdict.method
+
+    def _adds_nothing(self, term: Node, chain: Chain) -> bool:
+        """Whether a term is zero, or constant by itself in a sum that is said to be constant."""
+        if _is_zero(term, self.study):
+            return True
+        several = (part.terms for part in chain.parts if isinstance(part, Sum))
+        inside = any((sign, term) in terms for terms in several for sign in (1, -1))
+        if not inside or not any(map(names_constant, chain.parts)):
+            return False
+        alone = Chain((term, Name("const")), ("=",))
+        return verify(alone, Check(), self.study).verdict.proved
 
     def _is_idle(self, chain: Chain) -> bool:
         """Whether a formula says nothing, or no more than the sign of a letter, or is odd."""

@@ -1,21 +1,16 @@
 """The report of an audit as a LaTeX article, for plain pdflatex.
 
-The source is kept letter for letter; colours are put between its characters, where the tree of
-boxes says that braces are balanced.  What is wider than a line is broken by TeX.
+The source is kept letter for letter; colours are put between its characters, around whole factors.
+What is wider than a line is broken by TeX.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from voronec.audit.page.boxes import (
-    BINARY,
-    RELATIONS,
-    Box,
-    Marks,
-    read_boxes,
-)
+from voronec.audit.page.marks import mark
+from voronec.audit.page.mathml import convert
 from voronec.audit.page.phrases import (
     KINDS,
     MEANING,
@@ -41,6 +36,7 @@ _SPECIAL |= {c: rf"\ensuremath{{\{n}}}" for n, c in (SIGNS | LETTERS).items() if
 
 
 _EDGE = re.compile(r"\\(left|right)(?![a-zA-Z])")
+_TABLE = re.compile(r"\\begin\s*\{(\w+\*?)\}.*\\end\s*\{\1\}", re.DOTALL)
 
 
 def display(latex: str, marks: Sequence[tuple[int, int]] = (), command: str = "") -> str:
@@ -50,11 +46,11 @@ def display(latex: str, marks: Sequence[tuple[int, int]] = (), command: str = ""
     ``\bigr`` in their place.  A wide table is shrunk.  What is no formula is printed as its source.
     """
     try:
-        box = read_boxes(latex)
+        convert(latex)
+        body = _body(mark(latex, marks, command))
     except DefinitionError:
         return f"\n\\texttt{{{escape_text(latex)}}}\n\n"
-    body = _body(latex, box, _colours(box, marks, command))
-    if box.kind == "table":
+    if _TABLE.fullmatch(body):
         return f"\\widetable{{{body}}}\n"
     broken = _EDGE.sub(lambda edge: "\\bigl" if edge[1] == "left" else "\\bigr", body)
     return f"\\formula{{{body}}}\n" if broken == body else f"\\formulas{{{body}}}{{{broken}}}\n"
@@ -68,16 +64,16 @@ def inline(text: str) -> str:
 def _small(latex: str) -> str:
     """A formula within a line."""
     try:
-        box = read_boxes(latex)
+        convert(latex)
     except DefinitionError:
         return f"\\texttt{{{escape_text(latex)}}}"
-    return f"${_body(latex, box, [])}$"
+    return f"${_body(latex)}$"
 
 
 def own_commands(latex: str) -> set[str]:
     r"""Commands in a formula that LaTeX may not know, such as ``\diag`` of the paper's own."""
     try:
-        return {box.text for box in _walk(read_boxes(latex)) if box.kind == "unknown"}
+        return {f"\\{name}" for name in convert(latex)[1]}
     except DefinitionError:
         return set()
 
@@ -87,35 +83,11 @@ def escape_text(text: str) -> str:
     return "".join(_SPECIAL.get(c, c) for c in text)
 
 
-def _walk(box: Box) -> Iterator[Box]:
-    yield box
-    for part in box.parts:
-        yield from _walk(part)
-
-
-def _body(latex: str, box: Box, colours: list[tuple[int, int, str]]) -> str:
-    """The formula with its colours."""
-    pieces, last = [], 0
-    for at, _, text in sorted(colours):
-        pieces += [latex[last:at], text]
-        last = at
-    text = _LABEL.sub("", "".join([*pieces, latex[last:]])).strip()
-    # lines or cells outside any environment
-    bare = box.kind == "table" and not latex.startswith("\\begin", box.start)
+def _body(latex: str) -> str:
+    """The formula without its label; lines or cells outside any environment get one."""
+    text = _LABEL.sub("", latex).strip()
+    bare = "\\begin" not in text and re.search(r"(?<!\\)&|\\\\", text)
     return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if bare else text
-
-
-def _colours(
-    box: Box, marks: Sequence[tuple[int, int]], command: str
-) -> list[tuple[int, int, str]]:
-    """Where colours begin, and where they end, which comes first at one place."""
-    places: list[tuple[int, int, str]] = []
-    for run in Marks.of(marks, box).runs(box):
-        # an empty group keeps the space on the left of a sign
-        sign = run[0].kind == "sign" and run[0].text in BINARY | RELATIONS
-        places.append((run[0].start, 1, f"{{\\{command}{{" + ("{}" if sign else "")))
-        places.append((run[-1].end, 0, "}}"))
-    return places
 
 
 _HEAD = r"""\documentclass[11pt]{article}
