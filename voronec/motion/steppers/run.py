@@ -267,7 +267,6 @@ class Log:
 
     start: Any
     span: float
-    width: int
     rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stopped: str = ""
     switching_surfaces: frozenset[str] = frozenset()
@@ -287,43 +286,27 @@ class Log:
             for name, time in first.items()
         )
 
-    def is_at_end(self, time: Any) -> bool:
-        """Whether an instant is, but for rounding, the one at which the run was stopped."""
-        end = self.last[0]
-        return bool(abs(time - end) <= AT_END * max(abs(end), self.span))
-
     def enter_all(
         self, found: Iterable[tuple[Any, Guard]], at: Callable[[np.ndarray], np.ndarray]
     ) -> None:
-        """Keep crossings, in the order of the motion, up to those at the instant of one that stops;
-        ``at`` gives states (k, n) at times (k,)."""
+        """Keep crossings, in the order of the motion, up to those at the instant of one that stops,
+        but for rounding; ``at`` gives states (k, n) at times (k,)."""
         for time, event in found:
-            if self.stopped and not self.is_at_end(time):
+            end = self.last[0] if self.stopped else time
+            if abs(time - end) > AT_END * max(abs(end), self.span):
                 break
-            moment, state = self.last if self.stopped else (time, at(np.array([time]))[0])
-            self.enter(event, moment, state)
-
-    def enter(self, event: Guard, time: Any, state: np.ndarray) -> bool:
-        """Keep a crossing; whether it ends the run."""
-        near = (
-            event.name not in self.switching_surfaces
-            and abs(time - self.start) <= AT_START * self.span
-        )
-        if near:
-            return False
-        self.rows.setdefault(event.name, []).append((time, state))
-        if event.stop:
-            self.stopped = self.stopped or event.name
-        return event.stop
+            near = abs(end - self.start) <= AT_START * self.span
+            if near and event.name not in self.switching_surfaces:
+                continue
+            here = self.last if self.stopped else (time, at(np.array([time]))[0])
+            self.rows.setdefault(event.name, []).append(here)
+            if event.stop:
+                self.stopped = self.stopped or event.name
 
     @property
     def last(self) -> tuple[Any, np.ndarray]:
         """The crossing that ended the run."""
         return self.rows[self.stopped][-1]
-
-    def arrays(self, events: Sequence[Guard], dtype: Any) -> dict[str, tuple[Any, Any]]:
-        """Times (k,) and states (k, n) by name."""
-        return crossing_arrays(self.rows, events, self.width, dtype)
 
 
 def crossing_arrays(
@@ -367,14 +350,6 @@ def restart(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.nd
     return run
 
 
-def part_at(ends: Sequence[Any], order: float, times: np.ndarray) -> np.ndarray:
-    """In which of the parts of a run, by the times at which they end, each of some times lies;
-    ``order`` is 1 of a run into the future, else -1."""
-    marks = np.array([float(order * end) for end in ends])
-    which = np.searchsorted(marks, (order * times).astype(float), side="left")
-    return np.minimum(which, len(marks) - 1)
-
-
 def in_parts(
     ends: Sequence[Any],
     order: float,
@@ -382,11 +357,14 @@ def in_parts(
     times: np.ndarray,
     states: np.ndarray,
 ) -> np.ndarray:
-    """States at any times reached, each from the dense output of its part; where there are no
-    parts, the first of ``states`` (k, n), which have the kind of numbers of the run."""
+    """States at any times reached, each from the dense output of its part, by the times at which
+    these end; ``order`` is 1 of a run into the future, else -1.  Where there are no parts, the
+    first of ``states`` (k, n), which have the kind of numbers of the run."""
     if not len(parts):
         return np.repeat(states[:1], len(times), axis=0)
-    which = part_at(ends, order, times)
+    marks = np.array([float(order * end) for end in ends])
+    which = np.searchsorted(marks, (order * times).astype(float), side="left")
+    which = np.minimum(which, len(marks) - 1)
     found = np.empty((len(times), states.shape[1]), dtype=states.dtype)
     for i in np.unique(which):
         inside = parts[i]
