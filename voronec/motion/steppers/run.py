@@ -350,6 +350,14 @@ def restart(solver: Integrator, problem: Problem) -> Callable[[np.ndarray, np.nd
     return run
 
 
+def part_at(ends: Sequence[Any], order: float, times: np.ndarray) -> np.ndarray:
+    """In which of the parts of a run, by the times at which they end, each of some times lies;
+    ``order`` is 1 of a run into the future, else -1."""
+    marks = np.array([float(order * end) for end in ends])
+    which = np.searchsorted(marks, (order * times).astype(float), side="left")
+    return np.minimum(which, len(marks) - 1)
+
+
 def in_parts(
     ends: Sequence[Any],
     order: float,
@@ -357,14 +365,11 @@ def in_parts(
     times: np.ndarray,
     states: np.ndarray,
 ) -> np.ndarray:
-    """States at any times reached, each from the dense output of its part, by the times at which
-    these end; ``order`` is 1 of a run into the future, else -1.  Where there are no parts, the
-    first of ``states`` (k, n), which have the kind of numbers of the run."""
+    """States at any times reached, each from the dense output of its part; where there are no
+    parts, the first of ``states`` (k, n), which have the kind of numbers of the run."""
     if not len(parts):
         return np.repeat(states[:1], len(times), axis=0)
-    marks = np.array([float(order * end) for end in ends])
-    which = np.searchsorted(marks, (order * times).astype(float), side="left")
-    which = np.minimum(which, len(marks) - 1)
+    which = part_at(ends, order, times)
     found = np.empty((len(times), states.shape[1]), dtype=states.dtype)
     for i in np.unique(which):
         inside = parts[i]
