@@ -15,6 +15,7 @@ import mpmath
 import numpy as np
 
 from voronec.equations.program import compile_program
+from voronec.motion.crossings import crosses
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Arrival, Phase, Progress, Solver
 from voronec.motion.steppers import (
@@ -145,10 +146,8 @@ class _Knots:
         before, after = self._levels(state, first, end)
         for event in self.problem.events:
             left = np.sign(before[event.name]) or self.signs.get(event.name, 0.0)
-            right = np.sign(after[event.name])
-            self.signs[event.name] = right or left
-            grows = right > left if self.last >= first else left > right
-            if left * right < 0 and (event.direction == 0 or grows == (event.direction > 0)):
+            self.signs[event.name] = right = np.sign(after[event.name]) or left
+            if crosses(left, right, event.direction if self.last >= first else -event.direction):
                 yield event
 
     def _levels(self, state: np.ndarray, first: float, end: float) -> Iterator[dict[str, float]]:

@@ -21,7 +21,7 @@ from voronec.motion.modes import LevelSurface, Modes, SmoothBranch, is_length, m
 from voronec.motion.request import Guard
 from voronec.motion.solve import DOUBLE, Progress
 from voronec.motion.state_probe import quantities
-from voronec.motion.steppers import Integrator, Problem, Run, natural_units, restart
+from voronec.motion.steppers import Integrator, Problem, Run, natural_units, restart, with_parts
 
 GUARD = 64
 """Bits beyond those of the tolerance, in high precision."""
@@ -49,6 +49,13 @@ class Mode:
     problem: Problem
     chosen: Mapping[str, Any]
     solver: Integrator | None
+
+    @property
+    def wide_program(self) -> Program:
+        """The program of a motion along surfaces with what is integrated beside the state."""
+        levels = self.problem.levels
+        assert levels is not None  # a mode has events where it ends
+        return with_parts(self.problem.program, levels.extras, whole=True)
 
     def run(self, state: np.ndarray, values: Sequence[Any], times: np.ndarray) -> Run:
         """The motion from a state on."""
@@ -148,14 +155,6 @@ class ModeSet:
         weights = {f"weight {i}": along for i in range(len(along))}
         return {name: (surface,) for name, (surface, _) in found.items()} | rims | weights
 
-    def _levels(
-        self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
-    ) -> dict[str, Any]:
-        """What falls through zero where a mode ends, by the names of ``_watched_surfaces``."""
-        found = self._switching_ends(corner, sides, along)
-        rims = {f"rim {i}": self._fall(b, corner, sides) for i, b in enumerate(corner.rims)}
-        return {name: level for name, (_, level) in found.items()} | rims
-
     def _fall(self, base: Any, corner: SmoothBranch, sides: Mapping[Switch, int]) -> Any:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
         which may be beyond doubles, by its root."""
@@ -177,11 +176,13 @@ class ModeSet:
         """The smooth problem on ``sides`` of all switching surfaces, or along some; None where none
         is there."""
         corner = corners[0]
-        events = {  # of what is held, but for the tolerance, nothing is to be seen
+        ends = self._switching_ends(corner, sides, along)
+        functions = {  # of what is held, but for the tolerance, nothing is to be seen
             name: se.Integer(0) if self.modes.stays_zero(e, along) else e
             for name, e in corner.functions.items()
         }
-        functions = {**events, **self._levels(corner, sides, along)}
+        functions |= {name: level for name, (_, level) in ends.items()}
+        functions |= {f"rim {i}": self._fall(e, corner, sides) for i, e in enumerate(corner.rims)}
         program, turns = corner.program, {}
         if along:
             below = [None, *along]
@@ -196,11 +197,7 @@ class ModeSet:
             block = Block(weighing.assignments, (*functions.values(), *weighing.results))
             levels = replace(program, names=(*functions, *kinds), extras=block)
         else:
-            turns = {
-                f"turn at {n}": s[0]
-                for n, s in self._watched_surfaces(corner, sides, along).items()
-                if s
-            }
+            turns = {f"turn at {name}": surface for name, (surface, _) in ends.items()}
             levels = _with_turns(quantities(corner.form, functions), program, turns, functions)
         problem = self._problem_of_mode(corner, program, levels, sides, along, turns)
         solver, chosen = self._choose_stepper(problem)

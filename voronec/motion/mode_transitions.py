@@ -195,7 +195,7 @@ class Crossroads(ModeSet):
         """Whether a state that lay on a surface does so with other values of the floors in it."""
         if not surface.switch.floors:
             return True
-        g, size = self._value_and_reach(surface.switch, time, state, values)
+        g, size = self._value_and_size(surface.switch, time, state, values)
         return bool(abs(g - surface.level) <= CLEAR * size)
 
     def _touched_surfaces(
@@ -204,26 +204,21 @@ class Crossroads(ModeSet):
         """The surface of a switching surface on which a state lies, to rounding."""
         if switch.fixed:
             return []
-        g, size = self._value_and_size(switch, time, state, values)
+        g, size = self._value_and_size(switch, time, state, values, abs(state))
         level = int(mpmath.nint(g)) if switch.whole else 0
         if abs(g - level) > size * mpmath.mpf(2) ** (NEAR - self.bits):
             return []
         return [LevelSurface(switch, level)]
 
     def _value_and_size(
-        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
-    ) -> tuple[Any, Any]:
-        """The value of a switching surface's function, and the size of its terms."""
-        g, *slopes = self._measure(switch, time, state, values)
-        return g, sum(abs(a * b) for a, b in zip(slopes, [time, *state], strict=True))
-
-    def _value_and_reach(
-        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int]
-    ) -> tuple[Any, Any]:
-        """The value of a switching surface's function, and what it reaches over natural sizes of
-        the states: a state that is zero at the switching surface has errors of its usual size."""
+        self, switch: Switch, time: Any, state: np.ndarray, values: Mapping[Switch, int],
+        sizes: np.ndarray | None = None,
+    ) -> tuple[Any, Any]:  # fmt: skip
+        """The value of a switching surface's function, and the size of its terms for ``sizes`` of
+        the states, by default at least natural ones: a state that is zero at the switching surface
+        has errors of its usual size."""
         g, slope, *slopes = self._measure(switch, time, state, values)
-        sizes = np.maximum(abs(state), self.units)
+        sizes = np.maximum(abs(state), self.units) if sizes is None else sizes
         return g, abs(slope * time) + sum(abs(a) * x for a, x in zip(slopes, sizes, strict=True))
 
     def _measure(
@@ -470,7 +465,7 @@ class Crossroads(ModeSet):
     ) -> bool:
         """Whether a switching surface is touched, not crossed, from a side while the other side
         leads to it, in the sense of time: then the motion may have come along it."""
-        g, size = self._value_and_reach(surface.switch, time, state, sides)
+        g, size = self._value_and_size(surface.switch, time, state, sides)
         side = 1 if sides[surface.switch] == surface.value(1) else -1
         own, scale = self._rate(time, state, surface, sides)
         if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
@@ -483,7 +478,7 @@ class Crossroads(ModeSet):
     ) -> bool:
         """Whether a motion that comes to a switching surface turns within its error of it, while
         the other side leads away: then that error decides on which side it goes on."""
-        g, size = self._value_and_reach(surface.switch, time, state, sides)
+        g, size = self._value_and_size(surface.switch, time, state, sides)
         if abs(g - surface.level) > self.problem.tol**UNSURE * size:
             return False
         side = 1 if sides[surface.switch] == surface.value(1) else -1
@@ -556,11 +551,15 @@ class Crossroads(ModeSet):
 
     def begin(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[Any, np.ndarray]:
         """Time and state from which a motion along surfaces is followed: a moment later where its
-        weights are 0/0."""
+        weights are 0/0, or the rates of what is integrated beside the state have no value, as that
+        of sqrt|x| where x sets out."""
         if not mode.along:
             return time, state
         try:
             self._holds(mode, time, state)
+            wide, values = mode.wide_program, self.values(mode.program, mode.sides, time)
+            beside = [1] * (len(wide.state) - len(state))
+            compiled_digits(wide)[0](time, [*state, *beside], values)
         except NO_VALUE:
             return self.moment(mode, time, state, 1)
         return time, state

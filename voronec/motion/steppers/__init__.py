@@ -2,7 +2,7 @@
 
 from voronec.motion.steppers.c_stepper import c_loop, growth_source
 from voronec.motion.steppers.dop853_source import DOP853, FIRST_GROWTH
-from voronec.motion.steppers.event_states import make_with_event_states, narrow, widen, with_parts
+from voronec.motion.steppers.event_states import make_with_event_states, with_parts
 from voronec.motion.steppers.feedback import MEND, ControllerFailure, Feedback
 from voronec.motion.steppers.held_steps import Leap, held_integrator
 from voronec.motion.steppers.heyoka_stepper import (
@@ -43,7 +43,6 @@ from voronec.motion.steppers.run import (
     exact_mpf,
     in_kind,
     in_parts,
-    part_at,
     restart,
     until,
     values_along,
@@ -100,8 +99,8 @@ __all__ = [
     "digits", "dop853", "dop853_leap", "dop853_steps",
     "estimated_steps", "exact_mpf", "field_of", "growth_source", "held_integrator", "heyoka",
     "in_kind", "in_parts", "kept_library", "long_steps", "lsoda", "make_with_event_states",
-    "narrow", "natural_units",
-    "parameter_count", "part_at", "reach_of_series", "restart", "scales_of", "series_samples",
+    "natural_units",
+    "parameter_count", "reach_of_series", "restart", "scales_of", "series_samples",
     "spread", "taylor", "taylor_leap", "uneven_steps", "unit_parameters", "units_of_many", "until",
-    "values_along", "widen", "with_parts",
+    "values_along", "with_parts",
 ]  # fmt: skip

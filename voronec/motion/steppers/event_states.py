@@ -124,7 +124,11 @@ def make_with_event_states(make: Any, problem: Problem) -> Integrator:
 
     suspect = problem.suspect
     wider = replace(
-        widen(problem, wide),
+        problem,
+        program=wide,
+        start=_extend(problem.start, more),
+        units=None if problem.units is None else _extend(problem.units, more),
+        levels=replace(wide, names=levels.names, extras=levels.extras),
         exact=problem.exact and exact,
         suspect=suspect and (lambda times, states: suspect(times, states[:, :width])),
     )
@@ -136,19 +140,6 @@ def make_with_event_states(make: Any, problem: Problem) -> Integrator:
         return narrow(solver(times), width)
 
     return run
-
-
-def widen(problem: Problem, wide: Program) -> Problem:
-    """The problem of a program with further states behind its own, all of them 1 at the start."""
-    levels, more = problem.levels, len(wide.state) - len(problem.start)
-    assert levels is not None
-    return replace(
-        problem,
-        program=wide,
-        start=_extend(problem.start, more),
-        units=None if problem.units is None else _extend(problem.units, more),
-        levels=replace(wide, names=levels.names, extras=levels.extras),
-    )
 
 
 def _extend(row: np.ndarray, more: int) -> np.ndarray:

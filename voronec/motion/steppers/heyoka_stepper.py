@@ -39,11 +39,10 @@ from voronec.motion.steppers.series_reach import (
     PARTS,
     STRIDE,
     Field,
-    TaylorStep,
+    LongSteps,
     blind_reach,
     blind_steps,
     field_of,
-    first_reach,
     reach,
 )
 from voronec.motion.steppers.step_loop import (
@@ -127,8 +126,8 @@ def taylor(problem: Problem) -> Integrator:
     def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
         machine.place(problem, grid)
         stall = StallDetector(grid[0], float(grid[-1]), max(int(share * LONG), WINDOW), crawl=0.0)
-        stepper = _TaylorStepper(hy, machine, problem, grid, stall)
         try:
+            stepper = _TaylorStepper(hy, machine, problem, grid, stall)
             found = march(problem, grid, stepper, level_function(problem), stall)
         finally:
             pool.at_rest[:] = [machine]
@@ -223,8 +222,7 @@ def _integrator(problem: Problem, hints: list[float], winding: TurnCount, hy: An
     units = unit_parameters(winding, len(program.parameters), hy)
     functions = taylor_extras(levels, units) if levels is not None else {}
     moving = _moving_extras(levels) if levels is not None else set()
-    watched: list[Any] = []
-    kinds: dict[str, list[Any]] = {"nt_events": []}
+    watched, events = list[Any](), list[Any]()
 
     def hint(_: Any, time: float, __: int) -> None:
         hints.append(time)
@@ -234,7 +232,7 @@ def _integrator(problem: Problem, hints: list[float], winding: TurnCount, hy: An
             continue  # a constant passes through nothing, and heyoka takes none
         watched.append(functions[event.name])
         callback = hint if event.stop else lambda *_: None
-        kinds["nt_events"].append(hy.nt_event(watched[-1], callback))
+        events.append(hy.nt_event(watched[-1], callback))
     system = taylor_system(program, units)
     count = parameter_count([e for _, e in system] + watched, hy)
     beside = levels.extras.weight(levels.parameters) if levels is not None else 0.0
@@ -244,7 +242,7 @@ def _integrator(problem: Problem, hints: list[float], winding: TurnCount, hy: An
         pars=[1.0] * count,
         tol=winding.tolerance(problem.tol),
         compact_mode=program.weight + beside > COMPACT,
-        **{kind: found for kind, found in kinds.items() if found},
+        **({"nt_events": events} if events else {}),
     )
 
 
@@ -368,11 +366,12 @@ class _TaylorStepper:
         ta, whole = self.integrator, self.winding.whole
         state = whole(ta.state)
         if (output := self.output) is not None:
+            begin, *inner, end = output.times.tolist()
             return Stride(
-                *output.times[[0, -1]].tolist(), state, output, inner=output.times[1:-1].tolist(),
-                looks=output.looks, samples=output.samples if self.is_sampled else lambda *_: None,
+                begin, end, state, output, inner=inner, looks=output.looks,
+                samples=output.samples if self.is_sampled else lambda *_: None,
             )  # fmt: skip
-        ends, samples = [end for end, _, _ in self.series], None
+        ends, samples = np.array([time for time, _, _ in self.series]), None
         if self.is_sampled and self.series:
             times, states = series_samples(*self.steps_taken())
             samples = times, whole(states)
@@ -405,18 +404,22 @@ class _TaylorStepper:
         are longer than the ``usual``, or grow fast, are looked at, more and more of them at a
         time."""
         ta, most = self.integrator, FIRST_LOOK
-        before, held = 0.0, dict[int, TaylorStep]()
+        before, held = 0.0, dict[int, tuple[float, float, np.ndarray]]()
         for k in range(taken):
             begin = ta.time
             length = ta.step(max_delta_t=self.end - begin, write_tc=True)[1]
             if abs(length) > min(GROWTH * before, usual):
-                held[k] = TaylorStep(length, begin, ta.tc.copy())
+                held[k] = length, begin, ta.tc.copy()
             before = abs(length)
             broken = not np.isfinite(ta.time)  # by the look itself, where coefficients overflow
             if held and (len(held) == most or k == taken - 1 or broken):
-                found = first_reach([*held.values()], self.right_side, ta.tol, usual)
-                if found:
-                    return [*held][found[0]], found[1]
+                lengths, begins, series = map(np.array, zip(*held.values(), strict=True))
+                which, ordinary = np.array([*held]), np.full(len(held), usual)
+                steps = LongSteps(which, lengths, begins, np.moveaxis(series, 0, 2), ordinary)
+                reaches = steps.reach(lambda _: self.right_side, ta.tol)
+                for place, allowed in zip(held, reaches.tolist(), strict=True):
+                    if allowed < np.inf:
+                        return place, allowed
                 held, most = {}, min(4 * most, MANY)
             if broken:
                 break

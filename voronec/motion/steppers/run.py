@@ -269,7 +269,6 @@ class Log:
 
     start: Any
     span: float
-    width: int
     rows: dict[str, list[tuple[Any, np.ndarray]]] = field(default_factory=dict)
     stopped: str = ""
     switching_surfaces: frozenset[str] = frozenset()
@@ -289,43 +288,27 @@ class Log:
             for name, time in first.items()
         )
 
-    def is_at_end(self, time: Any) -> bool:
-        """Whether an instant is, but for rounding, the one at which the run was stopped."""
-        end = self.last[0]
-        return bool(abs(time - end) <= AT_END * max(abs(end), self.span))
-
     def enter_all(
         self, found: Iterable[tuple[Any, Guard]], at: Callable[[np.ndarray], np.ndarray]
     ) -> None:
-        """Keep crossings, in the order of the motion, up to those at the instant of one that stops;
-        ``at`` gives states (k, n) at times (k,)."""
+        """Keep crossings, in the order of the motion, up to those at the instant of one that stops,
+        but for rounding; ``at`` gives states (k, n) at times (k,)."""
         for time, event in found:
-            if self.stopped and not self.is_at_end(time):
+            end = self.last[0] if self.stopped else time
+            if abs(time - end) > AT_END * max(abs(end), self.span):
                 break
-            moment, state = self.last if self.stopped else (time, at(np.array([time]))[0])
-            self.enter(event, moment, state)
-
-    def enter(self, event: Guard, time: Any, state: np.ndarray) -> bool:
-        """Keep a crossing; whether it ends the run."""
-        near = (
-            event.name not in self.switching_surfaces
-            and abs(time - self.start) <= AT_START * self.span
-        )
-        if near:
-            return False
-        self.rows.setdefault(event.name, []).append((time, state))
-        if event.stop:
-            self.stopped = self.stopped or event.name
-        return event.stop
+            near = abs(end - self.start) <= AT_START * self.span
+            if near and event.name not in self.switching_surfaces:
+                continue
+            here = self.last if self.stopped else (time, at(np.array([time]))[0])
+            self.rows.setdefault(event.name, []).append(here)
+            if event.stop:
+                self.stopped = self.stopped or event.name
 
     @property
     def last(self) -> tuple[Any, np.ndarray]:
         """The crossing that ended the run."""
         return self.rows[self.stopped][-1]
-
-    def arrays(self, events: Sequence[Guard], dtype: Any) -> dict[str, tuple[Any, Any]]:
-        """Times (k,) and states (k, n) by name."""
-        return crossing_arrays(self.rows, events, self.width, dtype)
 
 
 def crossing_arrays(

@@ -153,33 +153,16 @@ def _stepper(problem: Problem, method: Callable[..., Any]) -> Integrator:
 
 
 @dataclass
-class _Pace:
-    """How long the steps of scipy's Runge-Kutta methods are: smoothed by ``growth``.
-
-    ``last`` is by how much longer than the last step the next one could be.
-    """
-
-    last: float = field(default=FIRST_GROWTH)
-
-    def step(self, solver: Any) -> None:
-        """One step of a solver; those of other methods stay as scipy has them."""
-        tried = getattr(solver, "h_abs", None)
-        solver.step()
-        if tried is None or solver.status == "failed":
-            return
-        length = solver.step_size
-        factor = solver.h_abs / length
-        solver.h_abs = length * growth(factor, self.last, length < SHORT * tried)
-        self.last = factor
-
-
-@dataclass
 class _Solver:
-    """One of scipy's solvers under way, which ``make`` makes, and anew for shorter steps."""
+    """One of scipy's solvers under way, which ``make`` makes, and anew for shorter steps.
+
+    Steps of Runge-Kutta methods are smoothed by ``growth``: ``last`` is by how much longer than the
+    last step the next one could be.
+    """
 
     problem: Problem
     make: Callable[..., Any]
-    pace: _Pace = field(default_factory=_Pace)
+    last: float = FIRST_GROWTH
     spent: int = 0
     solver: Any = field(init=False)
 
@@ -208,11 +191,18 @@ class _Solver:
         return Stride(start, solver.t, solver.y.copy(), at, slopes, shorter)
 
     def _step(self) -> None:
-        self.pace.step(self.solver)
-        if self.solver.status == "failed":
+        solver = self.solver
+        tried = getattr(solver, "h_abs", None)  # others have none, and stay as scipy has them
+        solver.step()
+        if solver.status == "failed":
             raise IntegratorFailure(COLLAPSE)
-        if not np.isfinite(self.solver.y).all():
+        if not np.isfinite(solver.y).all():
             raise IntegratorFailure(INFINITE)
+        if tried is not None:
+            length = solver.step_size
+            factor = solver.h_abs / length
+            solver.h_abs = length * growth(factor, self.last, length < SHORT * tried)
+            self.last = factor
 
     def _follow(self, start: float, begin: np.ndarray) -> None:
         """Take a step of LSODA again, shorter, as long as it does not follow the equations."""

@@ -87,31 +87,6 @@ def reach(integrator: Any, field: Field, taken: float, parts: int = 1) -> float:
     return float(series.reach()[0])
 
 
-@dataclass(frozen=True)
-class TaylorStep:
-    """A step ``taken`` from the time ``begin``, with its ``coefficients`` (n, order + 1)."""
-
-    taken: float
-    begin: float
-    coefficients: np.ndarray
-
-
-def first_reach(
-    steps: Sequence[TaylorStep], field: Field, tol: float, usual: float
-) -> tuple[int, float] | None:
-    """Which of many steps is the first that ``reach`` finds too long, and its length then; None
-    where there is none.  Those longer than the ``usual`` are looked at in parts."""
-    lengths = np.full(len(steps), np.inf)
-    for parts in (1, PARTS):
-        which = [i for i, s in enumerate(steps) if (abs(s.taken) > usual) == (parts > 1)]
-        if which:
-            taken, begin = np.array([(steps[i].taken, steps[i].begin) for i in which]).T
-            coefficients = np.stack([steps[i].coefficients for i in which], axis=2)
-            lengths[which] = reach_of_series(field, coefficients, taken, begin, parts, tol)
-    first = int(np.argmin(lengths == np.inf))
-    return (first, float(lengths[first])) if lengths[first] < np.inf else None
-
-
 def _leads_on(integrator: Any, series: np.ndarray, taken: float) -> bool:
     """Whether the defect is ordinary where the step just ``taken`` ends, with the coefficients
     (n, order + 1) of its ``series``, and the integrator stands: as ``_Series`` finds it, and soon.
@@ -284,16 +259,20 @@ class LongSteps:
             np.concatenate([getattr(part, f.name) for part in parts], axis=-1) for f in fields(cls)
         ))  # fmt: skip
 
-    def overlong(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
-        """The motions that took a step which is made too long; ``field`` is that of some motions.
-        Those longer than the usual are looked at in parts."""
-        found, far = np.zeros(len(self.which), dtype=bool), np.abs(self.taken) > self.usual
+    def reach(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
+        """The lengths (k,) up to which steps may be trusted that are made too long, else infinite;
+        ``field`` is that of some motions.  Those longer than the usual are looked at in parts."""
+        found, far = np.full(len(self.which), np.inf), np.abs(self.taken) > self.usual
         for parts, own in ((1, ~far), (PARTS, far)):
             if own.any():
                 right, rows = field(self.which[own]), self.coefficients[:, :, own]
-                lengths = reach_of_series(right, rows, self.taken[own], self.begin[own], parts, tol)
-                found[own] = lengths < np.inf
-        return self.which[found]
+                taken, begin = self.taken[own], self.begin[own]
+                found[own] = reach_of_series(right, rows, taken, begin, parts, tol)
+        return found
+
+    def overlong(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
+        """The motions that took a step which is made too long."""
+        return self.which[self.reach(field, tol) < np.inf]
 
 
 def long_steps(

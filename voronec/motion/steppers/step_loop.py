@@ -23,6 +23,7 @@ from voronec.motion.steppers.run import (
     StallDetector,
     Termination,
     Ticker,
+    crossing_arrays,
     in_parts,
     until,
 )
@@ -80,7 +81,7 @@ class Segment:
     rows: np.ndarray
     end: float
     state: np.ndarray
-    times: Sequence[float]
+    times: np.ndarray
     states: np.ndarray
     strides: Sequence[Stride]
     samples: tuple[np.ndarray, np.ndarray] | None = None
@@ -151,7 +152,6 @@ class _March:
         self.log = Log(
             grid[0],
             float(np.ptp(grid)),
-            len(start),
             switching_surfaces=self.problem.switching_surfaces,
         )
         self.states = np.empty((len(grid), len(start)), dtype=start.dtype)
@@ -205,7 +205,7 @@ class _March:
         kept = [stride] if self.problem.dense else []
         samples = None if stride.samples is None else stride.samples(len(ends), end)
         last = stride.end, stride.state
-        self.pass_over(Segment(len(ends), rows, *last, ends, none, kept, samples))
+        self.pass_over(Segment(len(ends), rows, *last, np.array(ends), none, kept, samples))
         if stride.samples is None:
             self.sampler.take(stride.start, end, stride.at)
         self.suspect(np.array([stride.end]), stride.state[None, :])
@@ -266,7 +266,7 @@ class _March:
         if segment.samples is not None:
             self.sampler.rows.append(segment.samples)
         if self.problem.marked:
-            self.ends += segment.times
+            self.ends += segment.times.tolist()
         self.last = Termination(COLLAPSE, segment.end, segment.state)
 
     def near(self, stride: Stride) -> np.ndarray:
@@ -313,7 +313,7 @@ class _March:
         if kept and self.order * end[0] > self.order * t[-1]:
             t = np.append(t.astype(states.dtype), np.array([end[0]], states.dtype))
             states = np.vstack([states, end[1]])
-        found = self.log.arrays(self.problem.events, states.dtype)
+        found = crossing_arrays(self.log.rows, self.problem.events, states.shape[1], states.dtype)
         if halt is not None:
             found = until(found, t[0], halt.time)
         return Run(

@@ -19,6 +19,7 @@ from voronec.equations.program import Program
 from voronec.equations.program.python import compiled_digits
 from voronec.equations.program.switches import FLAT, SATURATION
 from voronec.errors import EngineLimit
+from voronec.motion.crossings import crosses
 from voronec.motion.input_knots import in_pieces
 from voronec.motion.methods import is_exact
 from voronec.motion.mode_set import GUARD, Mode
@@ -278,9 +279,7 @@ class _Switches:
             if None in moved:
                 return False
             left, right = moved[0] - left, moved[1] - right
-        direction = event.direction * self.roads.order
-        upwards = left < 0 <= right and direction >= 0
-        return bool(upwards or (left > 0 >= right and direction <= 0))
+        return bool(crosses(left, right, event.direction * self.roads.order))
 
     def level(self, event: Guard, mode: Mode, time: Any, state: np.ndarray, way: int) -> Any:
         """An event's function a moment before (-1) or after (1) a state in a mode."""
