@@ -10,6 +10,7 @@ import sympy as sp
 
 from voronec.algebra.typeset import html_table, latex_of, plain_text
 from voronec.algebra.verdicts import Verdict
+from voronec.proof.search.outcome import plain_data
 
 
 @dataclass(frozen=True)
@@ -133,37 +134,12 @@ class IntegralSearch:
 
     def as_dict(self) -> dict[str, Any]:
         """The outcome as text and numbers that JSON can hold."""
-        return {
-            "system": self.system,
-            "level": self.level,
-            "form": self.form,
-            "letters": {name: plain_text(e) for name, e in self.letters.items()},
-            "at": {str(s): plain_text(v) for s, v in self.at.items()},
-            "known": list(self.known),
-            "ignored": list(self.ignored),
-            "monomials": self.monomials,
-            "functions": self.functions,
-            "dimension": self.dimension,
-            "explained": self.explained,
-            "missing": self.missing,
-            "integrals": [
-                {
-                    "name": f.name,
-                    "expression": plain_text(f.expression),
-                    "short": plain_text(f.short),
-                    "verdict": f.verdict.status,
-                    "limits": f.verdict.limits,
-                    "independent": f.independent,
-                }
-                for f in self.integrals
-            ],
-            "assumed": [plain_text(e) for e in self.assumed],
-            "unknown": [plain_text(e) for e in self.unknown],
-            "finished": self.finished,
-            "complete": self.complete,
-            "statement": self.statement,
-            "seconds": round(self.seconds, 3),
-        }
+        told = plain_data(self)
+        for inner in ("parameters", "classes", "examined"):
+            del told[inner]
+        for found, integral in zip(self.integrals, told["integrals"], strict=True):
+            integral |= {"verdict": found.verdict.status, "limits": found.verdict.limits}
+        return {**told, "complete": self.complete, "statement": self.statement}
 
 
 def _list_names(symbols: Sequence[Any]) -> str:

@@ -4,13 +4,14 @@ dF/dt = 0 is linear in the coefficients of F.  At random points modulo a prime i
 rank is at most the rank over Q and the parameters: so what it does not allow, does not exist for
 generic parameters.  What it allows is lifted to Q and the parameters, and proved.
 
-A ``Question`` is what a search is about: a field at given parameters, the letters of the ansatz,
-what is known.
+A ``SearchProblem`` is what a search is about: a field at given parameters, the letters of the
+ansatz, what is known.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import lcm
 from time import perf_counter
@@ -24,20 +25,20 @@ import sympy as sp
 from voronec.algebra.arguments import accepts, callback
 from voronec.algebra.conditions import substituted_conditions
 from voronec.algebra.matrices import dot
-from voronec.algebra.normal import canonical, shortest
+from voronec.algebra.normal import shortest
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.roots import ring_over
-from voronec.algebra.shape import expression
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import atoms
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import Verdict, decide_zero
-from voronec.declaration.claims import Corrected
+from voronec.declaration.claims import right_of
 from voronec.declaration.reading import expression as read_expression
 from voronec.declaration.reading import quote, several
 from voronec.declaration.system import System
 from voronec.equations.motions import Motions
+from voronec.equations.reduction import in_invariants
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, did_you_mean
@@ -403,7 +404,7 @@ def _declared_integrals(system: System, values: SymbolValues) -> dict[str, sp.Ex
     for name, case in system.cases.items():
         if _is_implied(parameter_values(system, case.parameters), values):
             claims |= {f"{k} ({name})": v for k, v in case.integrals.items()}
-    return {k: c.right if isinstance(c, Corrected) else c for k, c in claims.items()}
+    return {k: right_of(c) for k, c in claims.items()}
 
 
 def _is_implied(case: SymbolValues, values: SymbolValues) -> bool:
@@ -435,25 +436,12 @@ def _on_field(
 def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
     """Functions of coordinates and velocities as functions of invariants and velocities, where
     elimination finds them as such."""
-    if not functions:
-        return {}
-    definition, bridge = motions.equations.definition, motions.equations.bridge
-    inside = [bridge.inward(g) for g in motions.system.invariants.values()]
-    tags = [bridge.inward(s) for s in motions.system.invariant_symbols]
-    ideal = [*definition.relations, *(g - t for g, t in zip(inside, tags, strict=True))]
     found = {}
     for name, function in functions.items():
-        try:
-            (target,) = canonical([function], definition.relations)
-            ring = ring_over([target, *inside, *tags, *definition.velocities], ideal)
-            element = ring.fraction(target)
-        except EngineLimit:
-            continue
-        moving = {*definition.coordinates}
-        bound = [i for i, e in enumerate(ring.meaning) if e.free_symbols & moving]
-        parts = [element.num, *(f for f, _ in ring.field.factors(element.den))]
-        if not any(f != 0 and f.degrees()[i] for f in parts for i in bound):
-            found[name] = expression(ring, element)
+        with suppress(EngineLimit):
+            (rewritten,) = in_invariants(motions.equations, [function])
+            if rewritten is not None:
+                found[name] = rewritten
     return found
 
 
@@ -622,8 +610,7 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
                     f"system '{system.name}' declares no equation '{name}'"
                     + did_you_mean(name, system.equations)
                 )
-            claim = system.equations[name]
-            value = (claim.right if isinstance(claim, Corrected) else claim).function
+            value = right_of(system.equations[name]).function
         entries = list(value) if isinstance(value, (list, tuple, sp.MatrixBase)) else [value]
         plain = name.replace(" ", "_")
         count = range(1, len(entries) + 1)
