@@ -33,11 +33,7 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
     numeric.SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,
-    numeric.SINHC: lambda a: flint.acb(0, a).sinc().real,
-    numeric.EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
     numeric.SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    numeric.SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    numeric.EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
     numeric.EXPM1: lambda a: a.expm1(),
     numeric.LOG1P: lambda a: a.log1p(),
     numeric.SIZE: abs,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import symengine as se
 
 from voronec.algebra.brackets import nest_sums
-from voronec.algebra.cardinal import divides_sines_of_sums
+from voronec.algebra.cardinal import loses_quotients
 from voronec.algebra.generators import distance_powers
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import shortest
@@ -458,12 +458,13 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
     moving = (form.time, *form.coordinates, *form.velocities)
 
     def short(expr: Any) -> Any:
-        if divides_sines_of_sums([expr]) or distance_powers([expr], moving):
+        if distance_powers([expr], moving):
             return expr
         try:
-            return shortest([expr], form.relations)[0]
+            found = shortest([expr], form.relations)
         except EngineLimit:
             return expr
+        return expr if loses_quotients([expr], lambda: found) else found[0]
 
     def settle(expr: Any) -> Any:
         if not holds_switches(expr) and not holds_choices(expr):

@@ -38,11 +38,7 @@ _NAMES = (
 _FUNCTIONS: dict[str, Operation] = {name: getattr(mp, name) for name in _NAMES} | {"Abs": mp.fabs}
 _FUNCTIONS |= {
     numeric.SINC: mp.sinc,
-    numeric.SINHC: lambda a: mp.sinh(a) / a if a else mp.mpf(1),
-    numeric.EXPREL: lambda a: mp.expm1(a) / a if a else mp.mpf(1),
     numeric.SINC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, -a * a / 4) / 3,
-    numeric.SINHC_SLOPE: lambda a: mp.hyp0f1(mp.mpf(5) / 2, a * a / 4) / 3,
-    numeric.EXPREL_SLOPE: lambda a: mp.hyp1f1(2, 3, a) / 2,
     numeric.EXPM1: mp.expm1,
     numeric.LOG1P: mp.log1p,
     numeric.SIZE: mp.fabs,
