@@ -35,7 +35,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.tape import Tape
+from voronec.algebra.tape import Tape, middle
 from voronec.algebra.terms import atoms, expand_short, is_exponential, subexpressions
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
@@ -278,8 +278,7 @@ class Linearisation:
                 )
             matrix = mp.matrix(size, size)
             for k, ball in enumerate(balls):
-                mantissa, exponent = (int(part) for part in ball.mid().man_exp())
-                matrix[k // size, k % size] = mp.ldexp(mp.mpf(mantissa), exponent)
+                matrix[k // size, k % size] = middle(ball)
             found = mp.eig(matrix, left=False, right=False)
             found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + CHOP))) for e in found]
         with mp.workdps(digits):

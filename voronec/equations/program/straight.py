@@ -441,12 +441,11 @@ def with_choices(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
     exprs = [*plain.expressions, *(e for _, e in plain.stages)]
     if not any(map(holds_switches, exprs)):
         return form
+    if plain.stages and evaluation_weight(given.expressions) <= 2 * evaluation_weight(exprs):
+        plain = with_plain_roots(given)
     if not plain.stages:
         # with |k x| of a parameter k in two parts Max(0, k x) would not be seen to vanish
         return _choose_entries(plain, with_plain_roots(given, frozenset()))
-    opened = without_stages(plain, {})[0]
-    if evaluation_weight(opened.expressions) <= 2 * evaluation_weight(exprs):
-        plain = opened
     return _change_form(plain, choose_sides)
 
 
