@@ -316,20 +316,21 @@ class Signs:
 
     def _by_coefficients(self, poly: Any, place: int, depth: int) -> Sign | None:
         """Collected in one variable, all coefficients have one sign."""
-        changes = _ONE_SIGN.get(self.kinds[place]) != 1
-        if changes and poly.degrees()[place] % 2:
+        side = _ONE_SIGN.get(self.kinds[place], 0)
+        if not side and poly.degrees()[place] % 2:
             return None
         parts = self._coefficients(poly, place)
-        if changes and any(power % 2 for power in parts):
+        if not side and any(power % 2 for power in parts):
             return None
+        parts = {power: part * (side or 1) ** power for power, part in parts.items()}
         signs: dict[int, Sign] = {}
         for power in sorted(parts, key=lambda power: len(parts[power])):
             sign = self.of_polynomial(parts[power], depth + 1)
             if sign is None or any(sign.value != other.value for other in signs.values()):
                 return None
             signs[power] = sign
-        positive = self.kinds[place] == "positive"
-        strict = any(s.strict and (positive or not power) for power, s in signs.items())
+        moved = self.kinds[place] in _STRICT
+        strict = any(s.strict and (moved or not power) for power, s in signs.items())
         reasons = "; ".join(dict.fromkeys(signs[power].reason for power in parts))
         text = f"its coefficients in {self.ring.meaning[place]} agree in sign ({reasons})"
         return Sign(signs[min(signs)].value, strict, text)

@@ -1,7 +1,6 @@
 """Functions that programs alone know, with values where their formulas overflow, cancel or fail.
 
-    sinc w = sin(w)/w,    sinhc w = sinh(w)/w,    exprel w = (exp(w) - 1)/w    (entire)
-    (sin w - w cos w)/w^3,  (w cosh w - sinh w)/w^3,  (w exp(w) - exp(w) + 1)/w^2  (of their slopes)
+    sinc w = sin(w)/w,    (sin w - w cos w)/w^3 in its slope               (entire)
     expm1 w = exp(w) - 1,    log1p x = log(1 + x)            (all digits where they are small)
     hypot(a, b, ...) = sqrt(a^2 + b^2 + ...)                 (squares overflow before it does)
     size w = |w|      in expressions that are equal for both signs of w, so that it is no cut
@@ -21,28 +20,23 @@ import symengine as se
 
 from voronec.algebra.terms import subexpressions
 
-SINC, SINHC, EXPREL = "cardinal sine", "hyperbolic cardinal sine", "relative exponential"
+SINC, SINC_SLOPE = "cardinal sine", "slope of the cardinal sine"
 EXPM1, LOG1P = "exponential less one", "logarithm beside one"
 HYPOT, SIZE = "length of sides", "size on equal sides"
 CHOICE, CASE = "choice between sides", "case of three"
 
-SINC_SLOPE, SINHC_SLOPE = "slope of the cardinal sine", "slope of the hyperbolic cardinal sine"
-EXPREL_SLOPE = "slope of the relative exponential"
-
 
 class CardinalQuotient(NamedTuple):
     """f(w)/w^power, f given by ``above``, and its power series: ``coefficient`` takes n to p and q
-    of p/q w^n.  It is used where |w| is below ``reach``."""
+    of p/q w^n, zero for odd n.  It is used where |w| is below ``REACH``."""
 
     above: Callable[[Any], Any]
     power: int
     coefficient: Callable[[int], tuple[int, int]]
-    reach: float = 1.0
 
-    @property
-    def even(self) -> bool:
-        """Whether odd powers are absent."""
-        return self.coefficient(1)[0] == 0
+
+REACH = 1.0
+"""Where |w| is smaller the power series has all digits in a few terms."""
 
 
 def _turning_sign(n: int) -> int:
@@ -52,18 +46,9 @@ def _turning_sign(n: int) -> int:
 
 QUOTIENTS: dict[str, CardinalQuotient] = {
     SINC: CardinalQuotient(se.sin, 1, lambda n: (_turning_sign(n), factorial(n + 1))),
-    SINHC: CardinalQuotient(se.sinh, 1, lambda n: (1 - n % 2, factorial(n + 1))),
-    EXPREL: CardinalQuotient(lambda w: se.exp(w) - 1, 1, lambda n: (1, factorial(n + 1))),
     SINC_SLOPE: CardinalQuotient(
         lambda w: se.sin(w) - w * se.cos(w), 3,
         lambda n: ((n + 2) * _turning_sign(n), factorial(n + 3)),
-    ),
-    SINHC_SLOPE: CardinalQuotient(
-        lambda w: w * se.cosh(w) - se.sinh(w), 3,
-        lambda n: ((n + 2) * (1 - n % 2), factorial(n + 3)),
-    ),
-    EXPREL_SLOPE: CardinalQuotient(
-        lambda w: w * se.exp(w) - se.exp(w) + 1, 2, lambda n: (n + 1, factorial(n + 2))
     ),
 }  # fmt: skip
 """Functions with a value at zero that a division does not give, by name."""

@@ -7,15 +7,14 @@ roots.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import islice, product
 from random import Random
 from typing import Any
 
 import flint
 import symengine as se
-import sympy as sp
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts
 from voronec.algebra.certificates import Signs
@@ -35,12 +34,12 @@ _TIES = 60
 
 @dataclass(frozen=True)
 class Inequality:
-    """Whether ``left relation right``, in symengine; ``positive`` are names of symbols."""
+    """Whether ``left relation right``, in symengine; ``signs`` of symbols by name, 1 or -1."""
 
     left: Any
     relation: str
     right: Any
-    positive: frozenset[str]
+    signs: Mapping[str, int]
 
     def is_violated_by(self, difference: Any) -> bool:
         """Whether a ball around the difference shows that the relation fails."""
@@ -70,14 +69,16 @@ class Inequality:
     def _points(self, atoms: Sequence[Any], roots: Sequence[Any]) -> Iterator[dict[Any, Any]]:
         """Small numbers first, then numbers of all sizes; each is moved onto each root, too."""
         for values in self._values(len(atoms)):
-            signed = zip(atoms, values, strict=True)
-            point = {a: abs(v) + (not v) if str(a) in self.positive else v for a, v in signed}
+            point = dict(zip(atoms, values, strict=True))
+            for atom in atoms:
+                if side := self.signs.get(str(atom)):
+                    point[atom] = side * (abs(point[atom]) + (not point[atom]))
             yield point
             for variable, root in roots:
-                value = _value(root, point)
+                value, side = _value(root, point), self.signs.get(str(variable), 0)
                 if value is not None:
                     moved = flint.fmpq(int(value.p), int(value.q))
-                    if str(variable) not in self.positive or moved > 0:
+                    if not side or side * moved > 0:
                         yield {**point, variable: moved}
 
     def _values(self, count: int) -> Iterator[tuple[Any, ...]]:
@@ -135,26 +136,6 @@ def _real_symbols(*sides: Any) -> list[Any]:
     return symbols
 
 
-def _refuse_signs(below: Iterable[Any], declared: Sequence[Any]) -> None:
-    """A symbol that SymPy knows to be negative must not be declared otherwise."""
-    for symbol in below:
-        if symbol in declared:
-            raise DefinitionError(
-                f"'{symbol}' is negative for SymPy, and declared otherwise; declare it once"
-            )
-
-
-def _mirror_verdict(verdict: Verdict) -> Verdict:
-    """A verdict on |m| as one on m = -|m|."""
-    if verdict.witness is None:
-        return verdict
-    point = {
-        name.strip("|"): f"-{value}" if name.startswith("|") else value
-        for name, value in verdict.witness.point.items()
-    }
-    return replace(verdict, witness=replace(verdict.witness, point=point))
-
-
 @accepts(relation=TEXT, positive=SEVERAL, real=SEVERAL)
 def prove_inequality(
     a: Any, relation: str, b: Any = 0, positive: Sequence[Any] = (), real: Sequence[Any] = ()
@@ -179,23 +160,21 @@ def prove_inequality(
         raise DefinitionError(f"'{both[0]}' is declared positive and real; declare it once")
     a, b = as_expression(a), as_expression(b)
     symbols = _real_symbols(a, b)
-    below = {s: sp.Symbol(f"|{s.name}|") for s in symbols if s.is_negative}
-    if below:
-        _refuse_signs(below, (*positive, *real))
-        mirror = {s: -size for s, size in below.items()}
-        sizes = (*positive, *below.values())
-        return _mirror_verdict(
-            prove_inequality(a.xreplace(mirror), relation, b.xreplace(mirror), sizes, real)
-        )
+    for symbol in symbols:
+        if symbol.is_negative and symbol in (*positive, *real):
+            raise DefinitionError(
+                f"'{symbol}' is negative for SymPy, and declared otherwise; declare it once"
+            )
     bridge = SymPyBridge()
     left, right = bridge.inward(a), bridge.inward(b)
-    above = {str(bridge.inward(s)) for s in positive}
-    above |= {plain_name(s) for s in symbols if s.is_positive}
-    question = Inequality(left, RELATIONS[relation], right, frozenset(above))
+    known = {str(bridge.inward(s)): 1 for s in positive}
+    known |= {plain_name(s): 1 if s.is_positive else -1
+              for s in symbols if s.is_positive or s.is_negative}  # fmt: skip
+    question = Inequality(left, RELATIONS[relation], right, known)
     try:
         ring = Ring([left, right, left - right], (), PROOF_LIMIT)
         difference = ring.fraction(left - right)
-        signs = Signs.of(ring, [se.Symbol(name) > 0 for name in sorted(above)])
+        signs = Signs.of(ring, [known[name] * se.Symbol(name) > 0 for name in sorted(known)])
     except EngineLimit as limit:
         return question.search((), str(limit))
     found = signs.of_fraction(difference)

@@ -24,7 +24,7 @@ from voronec.algebra.piecewise_functions import written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.algebra.terms import factors_of, is_fraction
 from voronec.algebra.text import as_expression, quote
-from voronec.errors import DefinitionError
+from voronec.errors import DefinitionError, EngineLimit
 
 
 class UnknownFunction(DefinitionError):
@@ -390,6 +390,8 @@ def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
         return  # to ask one by one takes as long as a small derivation
     if thing.is_real is False:
         raise DefinitionError(f"'{thing}' is not real; equalities are between real numbers")
+    if thing.is_prime or thing.is_composite or thing.is_irrational:
+        raise EngineLimit(f"what is declared of '{thing}' is beyond signs and whole numbers")
     if thing.is_zero:
         yield inside
     elif thing.is_positive:

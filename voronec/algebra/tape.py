@@ -29,15 +29,12 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sec: lambda a: 1 / a.cos(),
     se.csc: lambda a: 1 / a.sin(),
     se.acot: lambda a: (1 / a).atan(),
+    se.Abs: abs,
     se.sign: lambda a: a.sgn() if a.is_finite() else _NO_VALUE,  # nan.sgn() is finite
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
     numeric.SINC: lambda a: a.sinc() if a.is_finite() else _NO_VALUE,
-    numeric.SINHC: lambda a: flint.acb(0, a).sinc().real,
-    numeric.EXPREL: lambda a: (a / 2).exp() * flint.acb(0, a / 2).sinc().real,
     numeric.SINC_SLOPE: lambda a: (-a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    numeric.SINHC_SLOPE: lambda a: (a * a / 4).hypgeom_0f1(flint.arb(5) / 2) / 3,
-    numeric.EXPREL_SLOPE: lambda a: a.hypgeom_1f1(2, 3) / 2,
     numeric.EXPM1: lambda a: a.expm1(),
     numeric.LOG1P: lambda a: a.log1p(),
     numeric.SIZE: abs,
@@ -46,6 +43,7 @@ _NUMERIC: dict[str, Callable[..., Any]] = {
 _CONSTANTS: dict[Any, Callable[[], Any]] = {
     se.pi: flint.arb.pi,
     se.E: flint.arb.const_e,
+    se.GoldenRatio: lambda: (1 + flint.arb(5).sqrt()) / 2,
 }
 
 
@@ -66,14 +64,18 @@ def as_ball(number: Any) -> Any:
     if isinstance(number, se.Basic):
         return Tape([number]).arb({}, flint.ctx.prec)[0]
     if isinstance(number, sp.Expr) and number.is_number:
-        from voronec.algebra.sympy_bridge import SymPyBridge
-
-        return as_ball(SymPyBridge().inward(number))
+        return as_ball(se.sympify(number))
     try:
         text = str(number)
     except Exception:  # somebody's own class
         text = ""
     return as_ball(exact_number(text, f"'{quote(number)}' is not a number"))
+
+
+def middle(ball: Any) -> Any:
+    """The middle of a ball as a number of mpmath's, at the precision that is in force there."""
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    return mp.ldexp(mp.mpf(mantissa), exponent)
 
 
 class Tape:

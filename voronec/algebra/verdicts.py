@@ -18,7 +18,6 @@ from typing import Any
 import flint
 import symengine as se
 import sympy as sp
-from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import Boolean
 
 from voronec.algebra.arguments import SEVERAL, accepts
@@ -31,7 +30,6 @@ from voronec.algebra.points import consistent, lift_point, sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.roots import domain_conditions, ring_over
-from voronec.algebra.symbols import plain_name
 from voronec.algebra.sympy_bridge import NoValue, SymPyBridge
 from voronec.algebra.tape import Tape
 from voronec.algebra.terms import rational
@@ -165,7 +163,7 @@ def prove_equal(a: Any, b: Any = 0, relations: Sequence[Any] = ()) -> Verdict:
         if verdict.proved:
             bases = positive_bases([left, right], known)
             return verdict.where(*(f"{quote(bridge.outward(b))} > 0" for b in bases))
-        return _possible(_fill_witness(verdict, a, b), a, b)
+        return verdict
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
 
@@ -177,62 +175,6 @@ def _take_in(relation: Any, bridge: SymPyBridge) -> Any:
     """A relation, or a condition, in the engine's symbols."""
     holds = isinstance(relation, Boolean) and not relation.is_Symbol
     return condition(relation, bridge.inward) if holds else bridge.inward(relation)
-
-
-TRIALS, HEIGHT, CLOSE = 200, 300, sp.Float("1e-20")
-"""So many random points are tried for letters that cancel, with numerators up to the second; both
-sides have the values of the witness to that part."""
-
-
-def _fill_witness(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
-    """The verdict, with values in its witness for letters that cancel at the bridge: those at which
-    both sides are real, as sqrt(x - 1) sqrt(1/(x - 1)) is where x > 1."""
-    witness, sides = verdict.witness, sp.Tuple(a, b)
-    if witness is None or sides.atoms(AppliedUndef):
-        return verdict
-    named = {plain_name(x): x for x in sides.free_symbols}
-    absent = sorted(named.keys() - witness.point.keys())
-    if not absent:
-        return verdict
-    radicands = [p.base for p in sides.atoms(sp.Pow) if p.exp.is_Rational and not p.exp.is_Integer]
-    known = {x: sp.Rational(witness.point[n]) for n, x in named.items() if n in witness.point}
-    values, dice = [sp.Rational(v) for v in (witness.left, witness.right)], Random(0)
-    for _ in range(TRIALS):
-        point = {
-            n: sp.Rational(dice.randint(-HEIGHT, HEIGHT), dice.choice((97, 13, 2))) for n in absent
-        }
-        if not all(_fits(named[n], value) for n, value in point.items()):
-            continue
-        at = {**known, **{named[n]: value for n, value in point.items()}}
-        if not all(sp.N(inside.xreplace(at), DIGITS).is_nonnegative for inside in radicands):
-            continue
-        found = [sp.N(side.xreplace(at), DIGITS) for side in sides]
-        if all((f.is_Float or f.is_zero) and abs(f - v) <= CLOSE * max(1, abs(v))
-               for f, v in zip(found, values, strict=True)):  # fmt: skip
-            whole = {**witness.point, **{n: str(value) for n, value in point.items()}}
-            return replace(verdict, witness=replace(witness, point=whole))
-    return verdict
-
-
-def _fits(symbol: Any, value: sp.Rational) -> bool:
-    """Whether a number is what SymPy knows of a symbol."""
-    return all(
-        getattr(value, f"is_{fact}", holds) in (holds, None)
-        for fact, holds in symbol.assumptions0.items()
-    )
-
-
-def _possible(verdict: Verdict, a: sp.Expr, b: sp.Expr) -> Verdict:
-    """The verdict, unless SymPy knows of a symbol what the number in the witness contradicts: that
-    it is prime, or irrational."""
-    if verdict.witness is None:
-        return verdict
-    for symbol in a.free_symbols | b.free_symbols:
-        value = verdict.witness.point.get(plain_name(symbol))
-        if value is not None and not _fits(symbol, sp.Rational(value)):
-            why = f"no witness was found with what is known of '{symbol}'"
-            return Verdict("undecided", why)
-    return verdict
 
 
 def decide_zero(expr: Any, relations: Sequence[Any] = ()) -> Verdict:
@@ -383,8 +325,6 @@ KINDS = 12
 """How many kinds of points, by the signs of cuts, are looked at with more digits."""
 BISECTIONS = 26
 """Of a way between two points, towards a cut: to a hundred-millionth of it."""
-CLIMBS, STEPS = 8, 60
-"""Walks towards a domain that no point was found in, and the steps of each."""
 
 Point = dict[Any, Any]
 _SMALL = [flint.fmpq(p, q) for p, q in ((1, 1), (-1, 1), (0, 1), (1, 2), (2, 1), (-1, 2), (3, 1))]
@@ -423,7 +363,6 @@ class WitnessSearch:
                 self.atoms.append(atom)
         self.atoms += domain_of(tuple(conditions)).linked_symbols(self.atoms)
         bound = Tape(equations).size * len(equations)
-        self._equations = equations
         self._cost = self._sides.size + self._signs.size + NEWTON * bound
         self._work = min(WORK, MOST_POINTS * self._cost)
         self._tried: list[tuple[Point, list[int]]] = []
@@ -432,7 +371,7 @@ class WitnessSearch:
         """Look for a witness; whether one was found."""
         return any(
             self._refutes(point)
-            for points in (self._scatter(), self._beside_cuts(), self._climb())
+            for points in (self._scatter(), self._beside_cuts())
             for point in points
         )
 
@@ -564,27 +503,6 @@ class WitnessSearch:
         yield low
         yield high
 
-    def _climb(self) -> Iterator[Point]:
-        """Walks into the domain, where none of the points lies in it."""
-        if self.kinds or not self.edges or self._equations:
-            return
-        tape = Tape(self.edges)
-        for _ in range(CLIMBS):
-            here = {a: self._source.choice((1, -1)) * self._number(1) for a in self.atoms}
-            best = _outside(tape.arb(here, 64))
-            for step in range(STEPS):
-                width = 300 >> (step // 12)
-                there = {
-                    a: v + flint.fmpq(self._source.randint(-width, width), 200)
-                    for a, v in here.items()
-                }
-                value = _outside(tape.arb(there, 64))
-                if value < best:
-                    here, best = there, value
-                if best == 0:
-                    yield here
-                    break
-
 
 def _cuts_of(exprs: Iterable[Any]) -> tuple[list[Any], list[Any]]:
     """Where a function turns into another one: zeros of factors of what stands under roots, signs
@@ -647,15 +565,3 @@ def _between(a: Any, b: Any) -> Any:
     if isinstance(a, flint.fmpq) and isinstance(b, flint.fmpq):
         return (a + b) / 2
     return ((flint.arb(a) + flint.arb(b)) / 2).mid()
-
-
-def _outside(values: Sequence[Any]) -> float:
-    """How far from a domain the values of its conditions are, zero inside of it."""
-    total = 0.0
-    for value in values:
-        if not value.is_finite():
-            total += 2.0
-        elif not value >= 0:
-            size = abs(float(value.mid()))
-            total += 1e-9 + size / (1 + size)
-    return total

@@ -16,7 +16,7 @@ import flint
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.cardinal import divides_sines_of_sums, loses_quotients
+from voronec.algebra.cardinal import loses_quotients
 from voronec.algebra.generators import (
     distance_powers,
     holds_far_multiples,
@@ -150,10 +150,7 @@ class DerivedEquations:
 
     @cached_property
     def _divides_sines(self) -> bool:
-        plain = self.raw.form.expressions
-        return divides_sines_of_sums(plain) or loses_quotients(
-            plain, lambda: self.best.form.expressions
-        )
+        return loses_quotients(self.raw.form.expressions, lambda: self.best.form.expressions)
 
     @cached_property
     def form(self) -> FirstOrderForm:

@@ -30,12 +30,12 @@ from voronec.algebra.cardinal import cardinal_all
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.graphs import is_atom, is_flat
 from voronec.algebra.normal import shortest
-from voronec.algebra.numeric_functions import QUOTIENTS, SIZE, formula, numeric_name
+from voronec.algebra.numeric_functions import QUOTIENTS, formula, numeric_name
 from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.rank import independent_rows
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.tape import Tape
+from voronec.algebra.tape import Tape, middle
 from voronec.algebra.terms import atoms, expand_short, is_exponential, subexpressions
 from voronec.algebra.typeset import plain_text
 from voronec.declaration.reading import expression, quote
@@ -53,7 +53,7 @@ CHOP = 10
 LONG = 50
 """A number of so many parts is long."""
 _NOT_FINITE = (se.zoo, se.nan, se.oo)
-_CORNERS = (se.sign, se.Abs, se.floor, se.ceiling, se.Max, se.Min)
+_STEPS = (se.sign, se.floor)
 
 
 def expand(
@@ -100,10 +100,8 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
         words = "has no value" if root and values[1] < 0 else "has a corner or a step"
         raise EngineLimit(f"'{expr}' {words} there")
     moving = [i for i, (_, slopes) in enumerate(parts) if slopes]
-    if not moving:
+    if not moving or isinstance(expr, _STEPS):
         return value, {}
-    if (corner := _corner(expr, values)) is not None:
-        return value, weighted_sum([(slope, parts[i][1]) for i, slope in corner.items()])
     names = [se.Symbol(f"argument {i}") for i in range(len(parts))]
     form, at = expr.func(*names), dict(zip(names, values, strict=True))
     if isinstance(expr, se.Pow) and moving == [0]:
@@ -114,15 +112,13 @@ def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, An
 def _quotient(
     expr: Any, inner: FirstOrder, known: dict[Any, FirstOrder], point: Mapping[Any, Any]
 ) -> FirstOrder:
-    """A quotient such as sin(w)/w by its series at w = 0, elsewhere by its formula.  |w| in what is
-    equal for both signs of w has the slopes 1 and -1, with which that has the same, as with 0."""
-    name, (value, slopes) = numeric_name(expr), inner
-    if value != 0 or name not in (*QUOTIENTS, SIZE):
+    """A quotient such as sin(w)/w by its series at w = 0, which is even; elsewhere by its
+    formula."""
+    name = numeric_name(expr)
+    if inner[0] != 0 or name not in QUOTIENTS:
         return _expand(formula(expr), known, point)
-    if name == SIZE:
-        return value, {}
-    first, second = (se.Integer(p) / q for p, q in map(QUOTIENTS[name].coefficient, (0, 1)))
-    return first, weighted_sum([(second, slopes)])
+    p, q = QUOTIENTS[name].coefficient(0)
+    return se.Integer(p) / q, {}
 
 
 def _is_on_step(expr: Any, values: Sequence[Any]) -> bool:
@@ -130,30 +126,9 @@ def _is_on_step(expr: Any, values: Sequence[Any]) -> bool:
     to another, or, an angle, by a turn or by half of one."""
     if isinstance(expr, se.atan2):
         return bool(values[0] == 0 and values[1].is_negative)
-    if isinstance(expr, se.floor | se.ceiling):
+    if isinstance(expr, se.floor):
         return bool(values[0].is_Number and float(values[0]).is_integer())
     return isinstance(expr, se.sign | se.acot) and bool(values[0] == 0)
-
-
-def _corner(expr: Any, values: Sequence[Any]) -> dict[int, Any] | None:
-    """The slopes of a function with corners or steps by its arguments, where these are numbers
-    or it has the same slopes on all sides; None for all else.  ``EngineLimit`` at a corner, where
-    there are no slopes."""
-    if isinstance(expr, se.sign | se.floor | se.ceiling) and values[0].free_symbols:
-        return {}
-    if not isinstance(expr, _CORNERS) or any(v.free_symbols for v in values):
-        return None
-    sizes = [float(v) for v in values]
-    if isinstance(expr, se.Max | se.Min):
-        best = (max if isinstance(expr, se.Max) else min)(sizes)
-        at = [i for i, size in enumerate(sizes) if size == best]
-        slopes, on_corner = {at[0]: se.Integer(1)}, len(at) > 1
-    else:
-        slopes = {0: se.sign(values[0])} if isinstance(expr, se.Abs) else {}
-        on_corner = isinstance(expr, se.Abs) and sizes[0] == 0
-    if on_corner:
-        raise EngineLimit(f"'{expr}' has a corner or a step there")
-    return slopes
 
 
 def _product_of(
@@ -185,7 +160,7 @@ def _height(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -
     with suppress(EngineLimit):
         return _expand(expr, known, point)[0]
     root = isinstance(expr, se.Pow) and expr.args[1].is_Number and expr.args[1] > 0
-    if not (root or isinstance(expr, (se.Abs, se.Max, se.Min, se.Add, se.Mul))):
+    if not (root or isinstance(expr, (se.Add, se.Mul))):
         return None
     heights = [_height(a, known, point) for a in expr.args]
     found = None if any(h is None for h in heights) else expr.func(*heights)
@@ -197,7 +172,7 @@ def _is_bounded(expr: Any, known: dict[Any, Any], point: Mapping[Any, Any]) -> b
     if isinstance(expr, (se.sign, se.atan2, se.acot)) or _height(expr, known, point) is not None:
         return True
     power = isinstance(expr, se.Pow) and expr.args[1].is_Number and expr.args[1] > 0
-    if not (power or isinstance(expr, (se.Add, se.Mul, se.floor, se.ceiling, se.Max, se.Min))):
+    if not (power or isinstance(expr, (se.Add, se.Mul, se.floor))):
         return False
     return all(_is_bounded(a, known, point) for a in expr.args)
 
@@ -303,8 +278,7 @@ class Linearisation:
                 )
             matrix = mp.matrix(size, size)
             for k, ball in enumerate(balls):
-                mantissa, exponent = (int(part) for part in ball.mid().man_exp())
-                matrix[k // size, k % size] = mp.ldexp(mp.mpf(mantissa), exponent)
+                matrix[k // size, k % size] = middle(ball)
             found = mp.eig(matrix, left=False, right=False)
             found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + CHOP))) for e in found]
         with mp.workdps(digits):
@@ -387,7 +361,7 @@ def _about(
     point = {x: value for x, value in point.items() if x not in late}
     if late:  # corners and infinite values are seen by the values alone
         expand(exprs, variables, {**point, **late})
-        exprs = _beside_corners(exprs, {**point, **late})
+        exprs = _beside_steps(exprs, {**point, **late})
     rows = expand(exprs, variables, point)
     k, n, width = len(own.coordinates), len(own.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
@@ -469,19 +443,15 @@ def _angles(exprs: Sequence[Any]) -> set[Any]:
     return inside - outside
 
 
-def _beside_corners(exprs: list[Any], point: Mapping[Any, Any]) -> list[Any]:
-    """Expressions without functions that have a corner or a step elsewhere."""
-    smooth = {}
-    for node in atoms(exprs, *_CORNERS):
+def _beside_steps(exprs: list[Any], point: Mapping[Any, Any]) -> list[Any]:
+    """Expressions with the values of functions that jump elsewhere."""
+    flat = {}
+    for node in atoms(exprs, *_STEPS):
         values = [a.xreplace(point) for a in node.args]
-        if any(v.free_symbols for v in values) or _is_on_step(node, values):
-            continue
-        with suppress(EngineLimit):
-            slopes = _corner(node, values) or {}
-            sides = [slope * node.args[i] for i, slope in slopes.items()]
-            smooth[node] = se.Add(*sides) if sides else node.func(*values)
-    rest = [e.xreplace(smooth) for e in map(se.sympify, exprs)]
-    return rest if rest == exprs else _beside_corners(rest, point)
+        if not values[0].free_symbols and not _is_on_step(node, values):
+            flat[node] = node.func(*values)
+    rest = [e.xreplace(flat) for e in map(se.sympify, exprs)]
+    return rest if rest == exprs else _beside_steps(rest, point)
 
 
 def _holds(form: Any, atom: Any) -> bool:

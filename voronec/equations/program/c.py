@@ -97,7 +97,7 @@ def conditional_quotients(body: str, size: str) -> Iterator[tuple[str, str]]:
     for name, (word, above) in SLOPES.items():
         if f"{word}(" in body:
             quotient = numeric.QUOTIENTS[name]
-            near, below = f"{size}(x) < {quotient.reach}", "*".join("x" * quotient.power)
+            near, below = f"{size}(x) < {numeric.REACH}", "*".join("x" * quotient.power)
             yield word, f"{near} ? {series(name)} : ({above})/({below})"
 
 

@@ -32,14 +32,10 @@ _BY_OTHERS: dict[type, Callable[[Any], Any]] = {
 }
 CARDINAL = {
     numeric.SINC: ("sinc", "sin"),
-    numeric.SINHC: ("sinhc", "sinh"),
-    numeric.EXPREL: ("exprel", "expm1"),
 }
 """Quotients such as sin(x)/x: a word, and the function that is divided by its argument."""
 SLOPES = {
     numeric.SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
-    numeric.SINHC_SLOPE: ("sinhc_slope", "x*cosh(x) - sinh(x)"),
-    numeric.EXPREL_SLOPE: ("exprel_slope", "(x - 1)*exp(x) + 1"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""
 DOUBLE = 1e-18
@@ -89,16 +85,15 @@ def execute(source: str, what: str, names: Mapping[str, Any]) -> dict[str, Any]:
 def series(name: str, x: str = "x") -> str:
     """The power series of a quotient as far as doubles tell, for |x| below its reach."""
     quotient = numeric.QUOTIENTS[name]
-    square = f"{x}*{x}" if quotient.even else x
     terms = []
-    for n in range(0, TERMS, 2 if quotient.even else 1):
+    for n in range(0, TERMS, 2):
         p, q = quotient.coefficient(n)
         terms.append(repr(p / q))
-        if abs(p / q) * quotient.reach**n < DOUBLE:
+        if abs(p / q) * numeric.REACH**n < DOUBLE:
             break
     found = terms.pop()
     while terms:
-        found = f"{terms.pop()} + {square}*({found})"
+        found = f"{terms.pop()} + {x}*{x}*({found})"
     return f"({found})"
 
 

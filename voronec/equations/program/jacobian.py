@@ -20,15 +20,8 @@ from voronec.algebra.graphs import nodes
 from voronec.equations.program.straight import Block, Program, fresh_names, share_subexpressions
 from voronec.errors import EngineLimit
 
-
-def _slope_of(name: str, factor: int) -> Callable[[Any], tuple[Any]]:
-    return lambda w: (factor * w * se.Function(name)(w),)
-
-
 _SLOPES: dict[str, Callable[..., tuple[Any, ...]]] = {
-    numeric.SINC: _slope_of(numeric.SINC_SLOPE, -1),
-    numeric.SINHC: _slope_of(numeric.SINHC_SLOPE, 1),
-    numeric.EXPREL: lambda w: (se.Function(numeric.EXPREL_SLOPE)(w),),
+    numeric.SINC: lambda w: (-w * se.Function(numeric.SINC_SLOPE)(w),),
     numeric.EXPM1: lambda w: (se.exp(w),),
     numeric.LOG1P: lambda w: (1 / (1 + w),),
     numeric.HYPOT: lambda *sides: tuple(a / se.Function(numeric.HYPOT)(*sides) for a in sides),

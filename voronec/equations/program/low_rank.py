@@ -16,7 +16,6 @@ numbers.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,6 +25,7 @@ from typing import Any
 import symengine as se
 
 from voronec.algebra.normal import canonical, quotient
+from voronec.algebra.roots import known_sign
 from voronec.algebra.terms import factors_of
 from voronec.equations.program.weight import taylor_weight
 from voronec.errors import DefinitionError, VoronecError
@@ -195,30 +195,10 @@ def _is_stable(split: LowRank, positive: Iterable[Any]) -> bool:
     For s <= 0 the pivot lies between 0 and 1, and is small only where the whole matrix is nearly
     singular; for s >= 0 it is a sum of positive terms.
     """
-    names = {str(p) for p in positive}
-    return all(_sign(d, names) == (1, True) for d in split.diagonal) and _sign(
-        split.scale, names
-    ) != (0, False)
-
-
-def _sign(expr: Any, positive: set[str]) -> tuple[int, bool]:
-    """1 or -1 where an expression is proved not to be of the other sign, 0 where nothing is
-    proved; and whether it is proved not to vanish where it is defined."""
-    if expr.is_Number:
-        return (1 if expr > 0 else -1, True) if expr != 0 else (1, False)
-    if isinstance(expr, se.Symbol):
-        return (1, True) if str(expr) in positive else (0, False)
-    if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer):
-        (sign, strict), exponent = _sign(expr.args[0], positive), int(expr.args[1])
-        return (1 if exponent % 2 == 0 else sign), strict or exponent < 0
-    if isinstance(expr, se.Mul):
-        signs = [_sign(a, positive) for a in expr.args]
-        return math.prod(s for s, _ in signs), all(strict for _, strict in signs)
-    if isinstance(expr, se.Add):
-        signs = [_sign(a, positive) for a in expr.args]
-        if len({s for s, _ in signs}) == 1:
-            return signs[0][0], any(strict for _, strict in signs)
-    return 0, False
+    known = [p > 0 for p in positive]
+    return all(known_sign(d, known, strict=True) > 0 for d in split.diagonal) and bool(
+        known_sign(split.scale, known)
+    )
 
 
 def _triangular(mass: Sequence[Sequence[Any]], rows: Iterable[int]) -> MassElimination:

@@ -46,15 +46,9 @@ _CHOICES = {"numpy": "where", "jax.numpy": "where", "casadi": "if_else"}
 _SIZES = {"numpy": "abs", "jax.numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
 _COLUMNS = ("vertsplit", "vertcat", "horzcat", "array")
-_HELPERS = (
-    "expm1 where multiply if_else fabs exp sin cos sinh cosh hyp0f1 hyp1f1 errstate"
-).split()
-_IN_DIGITS = {
-    numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
-    numeric.SINHC_SLOPE: "hyp0f1(mpf(5)/2, x*x/4)/3",
-    numeric.EXPREL_SLOPE: "hyp1f1(2, 3, x)/2",
-}
-"""The slopes of these quotients by hypergeometric functions, which mpmath has in any precision."""
+_HELPERS = ("expm1 where multiply if_else fabs exp sin cos sinh cosh hyp0f1 errstate").split()
+_IN_DIGITS = {numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3"}
+"""The slope of sin(x)/x by a hypergeometric function, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
 _NUMPY |= {"Abs": "absolute", numeric.SIZE: "absolute"}
 _PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
@@ -249,7 +243,7 @@ def _helpers(body: str, library: str) -> list[str]:
     cancelling = SLOPES | ({n: (w, f"{f}(x)") for n, (w, f) in CARDINAL.items()} if traced else {})
     for name, (word, above) in cancelling.items():
         if word in called:
-            power, reach = numeric.QUOTIENTS[name].power, numeric.QUOTIENTS[name].reach
+            power, reach = numeric.QUOTIENTS[name].power, numeric.REACH
             steps = [f"return {_IN_DIGITS.get(name)}"]
             if library == "math":
                 steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]

@@ -30,6 +30,7 @@ from voronec.algebra.numeric_functions import (
     FORMULAS,
     HYPOT,
     QUOTIENTS,
+    REACH,
     SIZE,
     numeric_name,
 )
@@ -460,7 +461,7 @@ class _Composition:
         self, bits: int, name: str, w: list[int], below: list[int], above: list[int]
     ) -> None:
         self.bits, self.name, self.w, self.below, self.above = bits, name, w, below, above
-        self.near = abs(w[0]) < int(QUOTIENTS[name].reach * (1 << bits))
+        self.near = abs(w[0]) < int(REACH * (1 << bits))
         self.found: list[int] = []
         self.slopes: list[int] = []
         self.powers: list[list[int]] = []

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import symengine as se
 
 from voronec.algebra.brackets import nest_sums
-from voronec.algebra.cardinal import divides_sines_of_sums
+from voronec.algebra.cardinal import loses_quotients
 from voronec.algebra.generators import distance_powers
 from voronec.algebra.graphs import is_atom, nodes
 from voronec.algebra.normal import shortest
@@ -441,12 +441,11 @@ def with_choices(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderForm:
     exprs = [*plain.expressions, *(e for _, e in plain.stages)]
     if not any(map(holds_switches, exprs)):
         return form
+    if plain.stages and evaluation_weight(given.expressions) <= 2 * evaluation_weight(exprs):
+        plain = with_plain_roots(given)
     if not plain.stages:
         # with |k x| of a parameter k in two parts Max(0, k x) would not be seen to vanish
         return _choose_entries(plain, with_plain_roots(given, frozenset()))
-    opened = without_stages(plain, {})[0]
-    if evaluation_weight(opened.expressions) <= 2 * evaluation_weight(exprs):
-        plain = opened
     return _change_form(plain, choose_sides)
 
 
@@ -458,12 +457,13 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
     moving = (form.time, *form.coordinates, *form.velocities)
 
     def short(expr: Any) -> Any:
-        if divides_sines_of_sums([expr]) or distance_powers([expr], moving):
+        if distance_powers([expr], moving):
             return expr
         try:
-            return shortest([expr], form.relations)[0]
+            found = shortest([expr], form.relations)
         except EngineLimit:
             return expr
+        return expr if loses_quotients([expr], lambda: found) else found[0]
 
     def settle(expr: Any) -> Any:
         if not holds_switches(expr) and not holds_choices(expr):

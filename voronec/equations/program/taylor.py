@@ -165,22 +165,17 @@ def _cardinal(name: str, w: Any, hy: Any) -> Any:
     alone that the series has too.
     """
     quotient = numeric.QUOTIENTS[name]
-    step, power = (2, w**2.0) if quotient.even else (1, w)
-    series = hy.expression(0.0)
-    for n in reversed(range(0, TERMS, step)):
+    square, series = w**2.0, hy.expression(0.0)
+    for n in reversed(range(0, TERMS, 2)):
         p, q = quotient.coefficient(n)
-        series = series * power + p / q
+        series = series * square + p / q
     far = _ABOVE[name](w, hy) / _whole(w, quotient.power)
-    return hy.select(hy.lt(_size(w, hy), quotient.reach), series, far)
+    return hy.select(hy.lt(_size(w, hy), numeric.REACH), series, far)
 
 
 _ABOVE: dict[str, Callable[[Any, Any], Any]] = {
     numeric.SINC: lambda w, hy: hy.sin(w),
-    numeric.SINHC: lambda w, hy: hy.sinh(w),
-    numeric.EXPREL: lambda w, hy: hy.exp(w) - 1.0,
     numeric.SINC_SLOPE: lambda w, hy: hy.sin(w) - w * hy.cos(w),
-    numeric.SINHC_SLOPE: lambda w, hy: w * hy.cosh(w) - hy.sinh(w),
-    numeric.EXPREL_SLOPE: lambda w, hy: (w - 1.0) * hy.exp(w) + 1.0,
 }
 
 
