@@ -17,7 +17,6 @@ import mpmath as mp
 import symengine as se
 import sympy as sp
 
-from voronec.algebra.piecewise_functions import IN_PIECES, written_with_signs
 from voronec.algebra.symbols import plain_name, time, velocity
 from voronec.declaration.system import System
 from voronec.errors import DefinitionError
@@ -37,6 +36,8 @@ _RECIPROCALS = {
 }  # fmt: skip
 """What is written by the functions that are evaluated: f(g(x))."""
 _UNREAL = "has no real value; write it with elementary functions"
+_CASES = (sp.Heaviside, sp.Max, sp.Min)
+"""What SymPy writes out in cases."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Names:
         named = self._carry_out(exact).xreplace(self.letters)
         named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
         try:
-            found = se.sympify(_in_signs(named))
+            found = se.sympify(_in_cases(named))
         except se.SympifyError:
             raise DefinitionError(f"'{expr}' {_UNREAL}") from None
         for function in sorted(found.atoms(se.FunctionSymbol), key=str):
@@ -103,11 +104,23 @@ def rate_names(thing: sp.Expr) -> list[str]:
     return [plain_name(thing) + "dot" * order for order in range(ORDERS)]
 
 
-def _in_signs(expr: sp.Expr) -> sp.Expr:
-    """The expression with signs and floors for steps, limits, cases and remainders."""
+def _in_cases(expr: sp.Expr) -> sp.Expr:
+    """The expression with cases and floors for steps, limits and remainders."""
+    expr = expr.replace(lambda e: isinstance(e, sp.Mod), lambda e: _remainder(*e.args))
+    expr = expr.replace(lambda e: isinstance(e, (sp.frac, sp.ceiling)), _floor)
     for kind, (outer, inner) in _RECIPROCALS.items():
         expr = expr.replace(kind, lambda x, f=outer, g=inner: f(g(x)))
-    return expr.replace(lambda e: isinstance(e, IN_PIECES), written_with_signs)
+    expr = expr.replace(lambda e: isinstance(e, _CASES), lambda e: e.rewrite(sp.Piecewise))
+    return expr.replace(lambda e: isinstance(e, sp.ITE), lambda e: e.to_nnf())
+
+
+def _remainder(a: sp.Expr, b: sp.Expr) -> sp.Expr:
+    return a - b * sp.floor(a / b)
+
+
+def _floor(expr: sp.Expr) -> sp.Expr:
+    (a,) = expr.args
+    return a - sp.floor(a) if isinstance(expr, sp.frac) else -sp.floor(-a)
 
 
 def _rate(thing: sp.Expr, order: int) -> sp.Basic:

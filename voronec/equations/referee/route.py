@@ -28,7 +28,7 @@ from voronec.declaration.system import System, require_system
 from voronec.equations.point_values import named_point
 from voronec.equations.referee.names import rate_names
 from voronec.equations.referee.plan import Plan, make_plan
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError
 
 SLACK = 1e-9
 """How far a point may lie off its relations, and superfluous velocities off each other."""
@@ -320,7 +320,7 @@ def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> Multiplie
     require_digits(f"system '{system.name}'", digits)
     try:
         plan: Plan = system.memo.once("plan of the referee", lambda: make_plan(system))
-    except (DefinitionError, EngineLimit) as error:
+    except DefinitionError as error:
         raise DefinitionError(f"system '{system.name}': {error}") from None
     values = _read_point(system, point, plan.occurring_names)
     precision = digits + GUARD
