@@ -202,6 +202,15 @@ def test_a_mass_that_vanishes_on_the_way_is_named_where_it_is_stepped_over(metho
     assert close(caught.value.trajectory.t, [0, 0.5])
 
 
+@pytest.mark.parametrize("method", DOUBLES)
+def test_what_fails_beyond_a_singular_mass_has_failed_there(method: str) -> None:
+    late = REGULAR[x] + (1 - x) / (sp.Rational(6, 5) - vo.time) ** 3  # no motion after t = 6/5
+    system = falling(0, inertia=1 - x, forces={x: late})
+    with pytest.raises(vo.IntegrationError, match="mass matrix is singular there") as caught:
+        vo.integrate(system, times=[0, 0.25, 1, 2], initial={x: 0, Dx: 2}, method=method)
+    assert close(caught.value.trajectory.t, [0, 0.25])
+
+
 @pytest.mark.parametrize("method", COMPILED)
 def test_loops_that_look_at_few_steps_end_at_the_last_before_a_singular_mass(method: str) -> None:
     system, ends = falling(0, inertia=1 - x, forces=REGULAR), []

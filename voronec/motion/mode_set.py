@@ -265,8 +265,9 @@ def _with_turns(
 
 
 def _hold_still(program: Program, along: Sequence[LevelSurface]) -> Program:
-    """The program of a motion along surfaces, where states that these hold stand for themselves no
-    longer: the slope of a root may have no value where nothing moves."""
+    """The program of a motion along surfaces, whose rates hold what these surfaces say of a state
+    in place of it, where that is linear in it: where nothing moves the slope of a root of the
+    state may have no value."""
     states, held = frozenset(program.state), dict[Any, Any]()
     for surface in along:
         function = surface.function.xreplace(held)

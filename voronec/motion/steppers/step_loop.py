@@ -168,8 +168,7 @@ class _March:
                 try:
                     stride = self.stepper.advance()
                 except IntegratorFailure as halted:
-                    good = self.last
-                    return self.result(Termination(str(halted), good.time, good.state))
+                    return self.failed(str(halted))
                 if isinstance(stride, Segment):
                     self.pass_over(stride)
                 else:
@@ -178,12 +177,19 @@ class _March:
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
                 if reason := self.stall.failure(self.steps, self.last.time):
-                    return self.result(replace(self.last, reason=reason))
+                    return self.failed(reason)
         except ControllerFailure as failure:
             return self.result(replace(self.last, reason=str(failure), mend=MEND))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())
+
+    def failed(self, reason: str) -> Run:
+        """The run up to where its steps lead no farther, or before the first instant of its grid
+        that it can only have reached through a singular mass matrix."""
+        done = slice(self.done)
+        self.recent = [(self.grid[done], self.states[done], 1)] if self.done > 1 else []
+        return self.result(self.singular() or replace(self.last, reason=reason))
 
     def take(self, stride: Stride) -> None:
         """Enter steps: crossings in them, then points of the grid up to the one that stops."""
