@@ -44,6 +44,7 @@ from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     LoneMotions,
     go_on_alone,
+    pass_one_by_one,
 )
 from voronec.motion.request import (
     Namespace,
@@ -61,7 +62,6 @@ from voronec.motion.section_passages import (
     SectionPassages,
     SectionWatch,
     pass_lanes,
-    pass_one_by_one,
 )
 from voronec.motion.state_probe import at_each, changes
 from voronec.motion.steppers import by_owner, with_parts
