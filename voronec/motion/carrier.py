@@ -14,7 +14,6 @@ from voronec.motion.batches import Lanes, Look, StopRequest, along
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many
 from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one, states_along
-from voronec.motion.state_probe import changes
 from voronec.motion.steppers import OwnedSamples, by_owner
 from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Trajectory
@@ -169,19 +168,8 @@ class Carrier:
         if breaches:
             found = self.motions.quantities_along(grid, rows, values)
         series = {name: found[name] for name in self.outputs}
-        return CarriedBlock(series, self._drifts(rows, values, found), failed, notes, alone, steps)
-
-    def _drifts(
-        self, rows: np.ndarray, values: np.ndarray, found: Mapping[str, np.ndarray]
-    ) -> dict[str, np.ndarray]:
-        """How much integrals drift (m,)."""
-        drift = dict[str, np.ndarray]()
-        for name in self.motions.ground.integrals:
-            series = found[f"integral {name}"]
-            # a motion that failed has numbers up to there, if any
-            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
-            drift[name] = self.drifts.relative(name, change, series[:, 0], self.grid, rows, values)
-        return drift
+        drift = self.drifts.along(grid, rows, values, found)
+        return CarriedBlock(series, drift, failed, notes, alone, steps)
 
 
 _Load = tuple[np.ndarray, Mapping[int, IntegrationError], Sequence[OwnedSamples]]

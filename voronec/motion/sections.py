@@ -63,7 +63,7 @@ from voronec.motion.section_passages import (
     SectionWatch,
     pass_lanes,
 )
-from voronec.motion.state_probe import at_each, changes
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers import by_owner, with_parts
 from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost
@@ -445,16 +445,16 @@ def section(
         alone = replace(alone, declared=declared, inputs=given)
     passages = SectionPassages.empty(motions, crossings, direction, until, progress)
     passages.strict = strict
-    cost = _follow(alone, passages, surface, on_plane, level, keys, began)
-    return _section(declared, motions, passages, tuple(wanted), surface, on_plane, cost)
+    looked_at = _follow(alone, passages, surface, on_plane, level, keys, began)
+    return _section(declared, motions, passages, tuple(wanted), surface, on_plane, *looked_at)
 
 
 def _follow(
     alone: LoneMotions, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
     outputs: Sequence[Any], began: float,
-) -> Cost:  # fmt: skip
-    """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
-    that is nowhere."""
+) -> tuple[Cost, dict[str, np.ndarray]]:  # fmt: skip
+    """Follow motions to where the ``level`` is zero, and look at them: what that cost, and how much
+    integrals drift; ``DefinitionError`` where that is nowhere."""
     motions, method, tol = alone.motions, alone.method, alone.tol
     follow, used, reason, finest = None, "scipy", "each start alone", tol
     if every := bool(alone.cause or not motions.sound):
@@ -473,8 +473,7 @@ def _follow(
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    _cut_unsound(motions, passages, cost)
-    return cost
+    return cost, _look_at(motions, passages, cost)
 
 
 def _followers(
@@ -552,12 +551,17 @@ def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, valu
     )
 
 
-def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
-    """Of motions that lose a proved integral, or do not obey the equations, keep the points before
-    that, and say so; those that went alone were looked at there."""
+def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, np.ndarray]:
+    """How much integrals drift, see ``Section.drift``; of motions that lose a proved integral, or
+    do not obey the equations, keep the points before that, and say so; those that went alone were
+    looked at there."""
     own = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
     check = CheckOfMany(own, motions.program, cost.tolerance, integrals)
+    drifts, drift = Drifts(motions, cost.tolerance), {n: np.zeros(len(motions)) for n in integrals}
+    for i, (_, changed) in passages.alone.items():
+        for name, array in drift.items():
+            array[i] = changed.get(name, np.nan)
     steps = cost.steps / max(1, len(motions.sound))
     for i in motions.sound:
         if not passages.parts[i] or i in passages.alone:
@@ -576,11 +580,17 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
             passages.cut(i, breach.row)
             what = f"{breach.what} after t = {time:.12g}"
             passages.errors[i] = motions.error(i, what, "end the run before that", time, state)
+        kept = slice(int(passages.count[i]) + 1)
+        series = {name: found[:, kept] for name, found in series.items()}
+        found = drifts.along(t[kept], states[None, kept], motions.values[i][None], series)
+        for name, array in drift.items():
+            array[i] = found[name][0]
+    return drift
 
 
 def _section(
     system: System, motions: Many, passages: SectionPassages, outputs: tuple[str, ...],
-    surface: str, value: float, cost: Cost,
+    surface: str, value: float, cost: Cost, drift: Mapping[str, np.ndarray],
 ) -> Section:  # fmt: skip
     start, t, states, speed = passages.join()
     names, values = motions.program.names, motions.values[start]
@@ -588,10 +598,6 @@ def _section(
     points = np.stack([found[name] for name in outputs], axis=-1)
     for i, (own, _) in passages.alone.items():
         points[start == i] = own
-    drift = _drift(motions, found, start, t, states, cost.tolerance)
-    for i, (_, changed) in passages.alone.items():
-        for name, array in drift.items():
-            array[i] = changed.get(name, np.nan)
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(
@@ -617,22 +623,3 @@ def _section(
         interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),
     )
-
-
-def _drift(
-    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray, t: np.ndarray,
-    states: np.ndarray, tol: float,
-) -> dict[str, np.ndarray]:  # fmt: skip
-    """See ``Section.drift``."""
-    names, drifts = motions.program.names, Drifts(motions, tol)
-    first = at_each(motions.extras, names, motions.time, motions.states, motions.values)
-    result = {name: np.zeros(len(motions)) for name in motions.ground.integrals}
-    for i in range(len(motions)):
-        own = start == i
-        way = np.append(motions.time, t[own]), np.vstack([motions.states[i], states[own]])[None]
-        for name, array in result.items():
-            key = f"integral {name}"
-            begin = first[key][i : i + 1]
-            change = changes(found[key][own], begin).max(initial=0.0, keepdims=True)
-            array[i : i + 1] = drifts.relative(name, change, begin, *way, motions.values[i : i + 1])
-    return result
