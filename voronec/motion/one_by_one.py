@@ -38,7 +38,6 @@ from voronec.motion.section_passages import (
     Quantity,
     SectionPassages,
     SectionWatch,
-    keep,
     zeros,
 )
 from voronec.motion.steppers import INFINITE, Problem, Run
@@ -136,11 +135,11 @@ def _follow(
             paths = _as_polynomials(time, run, plane)
             after = max(after, motions.time + START_SHARE * float(paths.lengths[0, 0]))
             found = zeros(paths, passages.direction)
-            keep(passages, watch.width, found, 0, i, after)
+            passages.keep(i, found, 0, after)
             seen = found.low[0], found.high[0], found.fastest[0]
             passages.note_range(i, run.ends[-1], len(run.ends), seen)
             some = slice(None, None, max(1, stretch // WHOLE))
-            passages.enter_samples(i, [part.pick(some) for part in run.samples], watch.width)
+            passages.enter_samples(i, [part.pick(some) for part in run.samples])
         passages.steps += len(run.ends)
         time, state = float(run.t[-1]), run.states[-1]
         if error is None and not np.isfinite(state).all():
@@ -303,7 +302,7 @@ def _pass_alone(
     motions, names = alone.motions, [*outputs, level]
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
-    way = np.nan_to_num(passages.reached[i] - motions.time, posinf=0.0, neginf=0.0)
+    way = np.nan_to_num(passages.of[i].reached - motions.time, posinf=0.0, neginf=0.0)
     span, idle, run, failed = max(FIRST * unit, 2 * float(way)), 0, None, None
     while run is None or not (
         len(run.events[PLANE]) >= passages.wanted or run.t[-1] >= passages.until or idle > PATIENCE
@@ -325,7 +324,7 @@ def _pass_alone(
         span *= min(LONGER, rest, SPARE / pace if pace else LONGER)
     alone.costs.append(run.cost)
     _enter(passages, i, run, level, len(outputs), idle)
-    if failed is not None and passages.count[i] < passages.wanted:
+    if failed is not None and passages.of[i].count < passages.wanted:
         raise failed
     motions.wrong.pop(i, None)
 
@@ -337,23 +336,23 @@ def _enter(
     passages.errors.pop(i, None)
     if run.notes:
         passages.notes[i] = run.notes
-    passed, passages.parts[i] = run.events[PLANE], []
-    passages.count[i], passages.idle[i] = 0, 0
+    passed, own = run.events[PLANE], passages.of[i]
+    own.parts, own.count, own.idle = [], 0, 0
     passages.steps += run.cost.steps
     # the plane's quantity may be an output itself
-    own = run.outputs[-1] if len(run.outputs) > width else label(level)
+    plane = run.outputs[-1] if len(run.outputs) > width else label(level)
     t, begin = np.asarray(passed.t, dtype=float), float(run.t[0])
     # one that fails reaches no instant of its grid after the first, and yet its passages
     end = max(float(run.t[-1]), t.max(initial=begin))
     assert run.within is not None
     fine = np.linspace(begin, end, INSTANTS)
-    seen = run.within(fine)[own]
+    seen = run.within(fine)[plane]
     points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
-    passages.alone[i] = points.astype(float), run.drift
+    own.alone = points.astype(float), run.drift
     if len(t):
         h = STEP * (end - begin)
         sides = [run.within(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
-        speeds = (sides[1][own] - sides[0][own]) / (sides[1].t - sides[0].t)
+        speeds = (sides[1][plane] - sides[0][plane]) / (sides[1].t - sides[0].t)
         passages.put(i, t, np.full((len(t), passages.width), np.nan), speeds)
     if end > begin:
         fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())

@@ -7,7 +7,7 @@ are as long as the motion, and it cuts them in pieces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,6 @@ from voronec.motion.batches import (
     carry,
 )
 from voronec.motion.crossings import NODES, Pieces, find_crossings, roots
-from voronec.motion.request import number
 from voronec.motion.steppers import (
     INFINITE,
     Place,
@@ -212,7 +211,7 @@ def _touches(paths: Paths, found: Sequence[tuple[int, float]]) -> Iterator[tuple
 PATIENCE = 50_000
 """Steps without a crossing after which a motion is given up."""
 FEWEST, MOST = 256, 16_384
-"""Steps of a motion between two looks for crossings: each look costs as much as a thousand."""
+"""Steps of a motion between two looks for crossings: each look costs as much as some hundreds."""
 ROOM = 3 * 2**20
 """Coefficients of all motions between two looks, 24 MiB: up to 32 the memory of the last ones is
 used again, and what takes more is twice as slow."""
@@ -223,111 +222,107 @@ FOREVER = 1e12
 
 
 @dataclass(eq=False)
-class SectionPassages:
-    """Crossings as they are found, start by start; its arrays and lists are filled in.  States are
-    ``width`` wide; of motions ``alone`` there are outputs (k, m) instead, and drifts."""
+class MotionPassages:
+    """What is known of one motion: ``parts`` of its crossings, ``count`` in all, times (k,), states
+    (k, n) and speeds (k,); ``samples`` of its steps; how many of these it is ``idle`` since the
+    last crossing; how far it came, the range of the plane's quantity and its largest rate.  Of one
+    that goes ``alone`` there are outputs (k, m) instead of states, and drifts."""
 
+    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+    samples: list[StepSamples] = field(default_factory=list)
+    count: int = 0
+    idle: int = 0
+    reached: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    fastest: float = np.nan
+    alone: tuple[np.ndarray, Mapping[str, Any]] | None = None
+
+
+@dataclass(eq=False)
+class SectionPassages:
+    """Crossings as they are found, start by start ``of`` each; states are ``width`` wide."""
+
+    of: list[MotionPassages]
+    width: int
     wanted: int
     direction: int
     until: float
     progress: Callable[[float], Any] | None
-    count: np.ndarray
-    idle: np.ndarray
-    reached: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    fastest: np.ndarray
-    parts: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]]
-    width: int
-    alone: dict[int, tuple[np.ndarray, Mapping[str, Any]]] = field(default_factory=dict)
+    strict: bool = True
     touches: list[tuple[int, float]] = field(default_factory=list)
     errors: dict[int, VoronecError] = field(default_factory=dict)
     notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
-    samples: dict[int, list[StepSamples]] = field(default_factory=dict)
     steps: int = 0
     interrupted: bool = False
-    strict: bool = True
-
-    @classmethod
-    def empty(
-        cls, motions: Many, wanted: int, direction: int, until: float | None, progress: Any
-    ) -> SectionPassages:
-        """Nothing passed yet."""
-        starts = len(motions)
-
-        def nothing() -> np.ndarray:
-            return np.full(starts, np.nan)
-
-        return cls(
-            wanted=wanted,
-            direction=direction,
-            until=FOREVER if until is None else number(until, "until"),
-            progress=progress,
-            count=np.zeros(starts, dtype=int),
-            idle=np.zeros(starts, dtype=int),
-            reached=nothing(),
-            low=nothing(),
-            high=nothing(),
-            fastest=nothing(),
-            parts={i: [] for i in range(starts)},
-            width=motions.states.shape[1],
-        )
 
     def put(self, i: int, t: np.ndarray, states: np.ndarray, speed: np.ndarray) -> None:
         """Further crossings of start i, no more than are wanted."""
-        room = self.wanted - int(self.count[i])
-        t, states, speed = t[:room], states[:room], speed[:room]
+        own = self.of[i]
+        room = self.wanted - own.count
+        t, states, speed = t[:room], states[:room, : self.width], speed[:room]
         if len(t):
-            self.parts[i].append((t, states, speed))
-            self.count[i] += len(t)
-            self.idle[i] = 0
+            own.parts.append((t, states, speed))
+            own.count += len(t)
+            own.idle = 0
 
-    def enter_samples(self, i: int, samples: Sequence[StepSamples], width: int) -> None:
+    def keep(
+        self, i: int, found: Zeros, lane: int, after: float, until: float = np.inf
+    ) -> None:  # fmt: skip
+        """Take in what was ``found`` in a lane between two times as crossings and touches of start
+        i."""
+        take, own = (found.lane == lane) & (found.t > after) & (found.t < until), self.of[i]
+        t, room = found.t[take], self.wanted - own.count
+        last = t[room - 1] if len(t) >= room else np.inf
+        self.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
+        self.put(i, t, found.states[take], found.speed[take])
+
+    def enter_samples(self, i: int, samples: Iterable[StepSamples]) -> None:
         """Samples of steps of start i, whose states are the first entries of theirs."""
-        self.samples.setdefault(i, []).extend(part.narrow(width) for part in samples)
+        self.of[i].samples.extend(part.narrow(self.width) for part in samples)
 
     def cut(self, i: int, count: int) -> None:
         """Keep the first crossings of start i alone."""
-        t, states, speed = (np.concatenate(column) for column in zip(*self.parts[i], strict=True))
-        self.parts[i] = [(t[:count], states[:count], speed[:count])]
-        self.count[i] = count
+        own = self.of[i]
+        t, states, speed = (np.concatenate(column) for column in zip(*own.parts, strict=True))
+        own.parts, own.count = [(t[:count], states[:count], speed[:count])], count
 
     def note_range(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
         """How far start i came; the range of the quantity on the way and its largest rate."""
-        low, high, fastest = found
-        self.reached[i] = time
-        self.idle[i] += steps
-        self.low[i], self.high[i] = np.fmin(self.low[i], low), np.fmax(self.high[i], high)
-        self.fastest[i] = np.fmax(self.fastest[i], fastest)
+        own, (low, high, fastest) = self.of[i], found
+        own.reached = float(time)
+        own.idle += steps
+        own.low, own.high = float(np.fmin(own.low, low)), float(np.fmax(own.high, high))
+        own.fastest = float(np.fmax(own.fastest, fastest))
 
     def over(self, i: int) -> bool:
         """Whether start i has all it needs, failed, or is given up."""
-        full = self.count[i] >= self.wanted or self.idle[i] > PATIENCE
-        return bool(full or i in self.errors or self.reached[i] >= self.until)
+        own = self.of[i]
+        full = own.count >= self.wanted or own.idle > PATIENCE
+        return bool(full or i in self.errors or own.reached >= self.until)
 
     def tell(self, sound: Sequence[int]) -> None:
         """Report the fraction that is done."""
         if self.progress is not None:
-            shares = [1.0 if self.over(i) else self.count[i] / self.wanted for i in sound]
+            shares = [1.0 if self.over(i) else self.of[i].count / self.wanted for i in sound]
             self.progress(float(np.mean(shares)))
 
     def ends(self, i: int, wrong: Mapping[int, VoronecError]) -> str:
         """How start i ended, in words."""
         if i in wrong or i in self.errors:
             return "failed"
-        if self.count[i] >= self.wanted:
+        if self.of[i].count >= self.wanted:
             return "complete"
         if not self.over(i):
             return "stopped by hand"
-        return f"no more crossings up to t = {self.reached[i]:.6g}"
+        return f"no more crossings up to t = {self.of[i].reached:.6g}"
 
     def join(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start, t, states, speed of all crossings."""
-        start = np.repeat(np.arange(len(self.count)), self.count)
-        parts = [part for i in range(len(self.count)) for part in self.parts[i]]
-        t = np.concatenate([np.empty(0), *(p[0] for p in parts)])
-        states = np.concatenate([np.empty((0, self.width)), *(p[1] for p in parts)])
-        speed = np.concatenate([np.empty(0), *(p[2] for p in parts)])
+        start = np.repeat(np.arange(len(self.of)), [own.count for own in self.of])
+        none = np.empty(0), np.empty((0, self.width)), np.empty(0)
+        parts = [none, *(part for own in self.of for part in own.parts)]
+        t, states, speed = (np.concatenate(column) for column in zip(*parts, strict=True))
         return start, t, states, speed
 
 
@@ -380,8 +375,8 @@ class _LanePassages:
     def steps_ahead(self) -> int:
         """So many steps that the motion nearest to its end is not carried far beyond it."""
         passages, ta = self.passages, self.lanes.integrator
-        left = [passages.wanted - passages.count[i] for i in self.under_way(ta.place).values()]
-        done = int(passages.count.sum())
+        left = [passages.wanted - passages.of[i].count for i in self.under_way(ta.place).values()]
+        done = sum(own.count for own in passages.of)
         each = passages.steps / done if done else FEWEST
         room = max(ROOM // (ta.state.size * (ta.batch.order + 1)), FEWEST)
         most = min(MOST, 1 << (room.bit_length() - 1))  # memory grows by doubling
@@ -401,7 +396,7 @@ class _LanePassages:
             broken = not ta.alive[k]
             if broken or lanes.steps.doubtful[k]:
                 why = INFINITE if broken else SINGULAR_PLACE
-                errors[k] = break_error(why, passages.reached[i], lanes.states[k])
+                errors[k] = break_error(why, passages.of[i].reached, lanes.states[k])
             elif passages.over(i):
                 self.ends[k] = ta.high[k]
         passages.tell(self.motions.sound)
@@ -419,10 +414,10 @@ class _LanePassages:
         first = np.where(paths.times[0] == start, START_SHARE * paths.lengths[0], -np.inf)
         for k, i in busy.items():
             until = _trusted_until(paths.times[:, k]) if collapsed[k] else np.inf
-            keep(passages, self.watch.width, found, k, i, start + first[k], until)
+            passages.keep(i, found, k, start + first[k], until)
             seen = (found.low[k], found.high[k], found.fastest[k])
             passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
-            passages.enter_samples(i, [paths.first_step(k)], self.watch.width)
+            passages.enter_samples(i, [paths.first_step(k)])
 
 
 def _trusted_until(times: np.ndarray) -> float:
@@ -430,16 +425,3 @@ def _trusted_until(times: np.ndarray) -> float:
     lengths = np.abs(np.diff(times))
     short = lengths < COLLAPSE_RATIO * np.maximum.accumulate(lengths)
     return float(times[int(np.argmax(short))]) if short.any() else float(times[0])
-
-
-def keep(
-    passages: SectionPassages, width: int, found: Zeros, lane: int, i: int, after: float,
-    until: float = np.inf,
-) -> None:  # fmt: skip
-    """Take in what was ``found`` in a lane between two times as crossings and touches of start i,
-    whose states are ``width`` wide."""
-    take = (found.lane == lane) & (found.t > after) & (found.t < until)
-    room = passages.wanted - int(passages.count[i])
-    last = found.t[take][:room][-1] if len(found.t[take]) >= room else np.inf
-    passages.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
-    passages.put(i, found.t[take], found.states[take][:, :width], found.speed[take])

@@ -59,6 +59,8 @@ from voronec.motion.request import (
     spread_starts,
 )
 from voronec.motion.section_passages import (
+    FOREVER,
+    MotionPassages,
     SectionPassages,
     SectionWatch,
     pass_lanes,
@@ -443,8 +445,9 @@ def section(
     if driven.changing is not None:
         given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
         alone = replace(alone, declared=declared, inputs=given)
-    passages = SectionPassages.empty(motions, crossings, direction, until, progress)
-    passages.strict = strict
+    each, width = [MotionPassages() for _ in motions.states], motions.states.shape[1]
+    last = FOREVER if until is None else number(until, "until")
+    passages = SectionPassages(each, width, crossings, direction, last, progress, strict)
     looked_at = _follow(alone, passages, surface, on_plane, level, keys, began)
     return _section(declared, motions, passages, tuple(wanted), surface, on_plane, *looked_at)
 
@@ -530,23 +533,24 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if passages.count.any() or passages.interrupted or not passages.strict:
+    if any(own.count for own in passages.of) or passages.interrupted or not passages.strict:
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
     system = motions.namespace.equations.system.name
-    if np.isnan(passages.low).all():
+    low, high = np.array([(own.low, own.high) for own in passages.of]).T
+    if np.isnan(low).all():
         raise DefinitionError(
             f"system '{system}': {surface} has no real value along the motion; choose another plane"
         )
-    nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
-    low, high = passages.low[nearest] + value, passages.high[nearest] + value
+    nearest = int(np.nanargmin(np.maximum(low, -high)))
+    low, high = low[nearest] + value, high[nearest] + value
     several = len(motions) > 1
     which = f"start {nearest}, the nearest of {len(motions)}, stays" if several else "it stays"
     way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
     raise DefinitionError(
         f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
-        f"{passages.reached[nearest]:.6g} {which} between {low:.6g} and {high:.6g}; choose "
+        f"{passages.of[nearest].reached:.6g} {which} between {low:.6g} and {high:.6g}; choose "
         "another value, direction or plane"
     )
 
@@ -555,21 +559,21 @@ def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, 
     """How much integrals drift, see ``Section.drift``; of motions that lose a proved integral, or
     do not obey the equations, keep the points before that, and say so; those that went alone were
     looked at there."""
-    own = motions.namespace.equations
+    equations = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
-    check = CheckOfMany(own, motions.program, cost.tolerance, integrals)
+    check = CheckOfMany(equations, motions.program, cost.tolerance, integrals)
     drifts, drift = Drifts(motions, cost.tolerance), {n: np.zeros(len(motions)) for n in integrals}
-    for i, (_, changed) in passages.alone.items():
-        for name, array in drift.items():
-            array[i] = changed.get(name, np.nan)
     steps = cost.steps / max(1, len(motions.sound))
-    for i in motions.sound:
-        if not passages.parts[i] or i in passages.alone:
+    for i, own in enumerate(passages.of):
+        if own.alone is not None:
+            for name, array in drift.items():
+                array[i] = own.alone[1].get(name, np.nan)
+        if not own.parts or own.alone is not None:
             continue
-        t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
-        states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
+        t = np.concatenate([[motions.time], *(part[0] for part in own.parts)])
+        states = np.vstack([motions.states[i], *(part[1] for part in own.parts)])
         ends = motions.time, float(t[-1])
-        samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
+        samples = by_owner(part.within(*ends) for part in own.samples)
         motion = t, states[None], motions.values[i][None]
         series = motions.quantities_along(*motion)
         breaches, notes = check.breaches(*motion, steps, samples, series)
@@ -580,7 +584,7 @@ def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, 
             passages.cut(i, breach.row)
             what = f"{breach.what} after t = {time:.12g}"
             passages.errors[i] = motions.error(i, what, "end the run before that", time, state)
-        kept = slice(int(passages.count[i]) + 1)
+        kept = slice(own.count + 1)
         series = {name: found[:, kept] for name, found in series.items()}
         found = drifts.along(t[kept], states[None, kept], motions.values[i][None], series)
         for name, array in drift.items():
@@ -596,8 +600,10 @@ def _section(
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
     points = np.stack([found[name] for name in outputs], axis=-1)
-    for i, (own, _) in passages.alone.items():
-        points[start == i] = own
+    for i, own in enumerate(passages.of):
+        if own.alone is not None:
+            points[start == i] = own.alone[0]
+    fastest = np.array([own.fastest for own in passages.of])
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(
@@ -610,7 +616,7 @@ def _section(
         t=t,
         start=start,
         speed=speed,
-        near_tangent=np.abs(speed) < GRAZE * passages.fastest[start],
+        near_tangent=np.abs(speed) < GRAZE * fastest[start],
         touches=tuple(passages.touches),
         ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
         errors=MappingProxyType({**motions.wrong, **passages.errors}),
