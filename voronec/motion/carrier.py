@@ -13,8 +13,7 @@ from voronec.errors import IntegrationError, VoronecError
 from voronec.motion.batches import Lanes, Look, StopRequest, along
 from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Drifts, Many
-from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one
-from voronec.motion.state_probe import changes
+from voronec.motion.one_by_one import LoneMotions, LoneStart, along_one, states_along
 from voronec.motion.steppers import OwnedSamples, by_owner
 from voronec.motion.tolerances import FINEST
 from voronec.motion.trajectory import Trajectory
@@ -139,12 +138,12 @@ class Carrier:
                 self.lanes, states, values, self.grid, stopped
             )
             return (rows, failed, samples), steps, near
-        row, error, run, short = along_one(
+        run, error, short = along_one(
             self.method, self.motions.program, states[0], values[0], self.grid, self.tol,
             self.motions.divisor_watch(values[0]),
         )  # fmt: skip
-        failed = {} if error is None else {0: error}
-        return (row[None], failed, by_owner(run.samples)), run.steps, [0] if short else []
+        failed, rows = {} if error is None else {0: error}, states_along(run, self.grid)[None]
+        return (rows, failed, by_owner(run.samples)), run.steps, [0] if short else []
 
     def _look_at(
         self, loads: list[_Load], values: np.ndarray, alone: list[int], steps: int
@@ -169,19 +168,8 @@ class Carrier:
         if breaches:
             found = self.motions.quantities_along(grid, rows, values)
         series = {name: found[name] for name in self.outputs}
-        return CarriedBlock(series, self._drifts(rows, values, found), failed, notes, alone, steps)
-
-    def _drifts(
-        self, rows: np.ndarray, values: np.ndarray, found: Mapping[str, np.ndarray]
-    ) -> dict[str, np.ndarray]:
-        """How much integrals drift (m,)."""
-        drift = dict[str, np.ndarray]()
-        for name in self.motions.ground.integrals:
-            series = found[f"integral {name}"]
-            # a motion that failed has numbers up to there, if any
-            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
-            drift[name] = self.drifts.relative(name, change, series[:, 0], self.grid, rows, values)
-        return drift
+        drift = self.drifts.along(grid, rows, values, found)
+        return CarriedBlock(series, drift, failed, notes, alone, steps)
 
 
 _Load = tuple[np.ndarray, Mapping[int, IntegrationError], Sequence[OwnedSamples]]

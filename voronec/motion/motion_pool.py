@@ -24,7 +24,14 @@ from voronec.motion.observables import size_of_terms
 from voronec.motion.request import Namespace, Starts, name_values
 from voronec.motion.singular_coordinates import CoordinatePole
 from voronec.motion.singular_denominators import NEAR, SingularDenominator
-from voronec.motion.state_probe import at_each, quantities, quiet, rates_along, rates_program
+from voronec.motion.state_probe import (
+    at_each,
+    changes,
+    quantities,
+    quiet,
+    rates_along,
+    rates_program,
+)
 from voronec.motion.term_sizes import CANCELLATION, SMALL, term_slopes
 from voronec.motion.tolerances import LOOSE, UNIT
 
@@ -436,7 +443,20 @@ class Drifts:
         sizes = {name: size_of_terms(e) for name, e in ground.integrals.items()}
         return Program.of(ground.form, sizes)
 
-    def relative(
+    def along(
+        self, t: np.ndarray, states: np.ndarray, values: np.ndarray, found: Mapping[str, np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """How much each integral drifts (m,) along motions with states (m, k, n) at t (k,) and
+        parameters (m, p), where extra quantities (m, k) are ``found``."""
+        drift = dict[str, np.ndarray]()
+        for name in self.motions.ground.integrals:
+            series = found[f"integral {name}"]
+            # a motion that failed has numbers up to there, if any
+            change = np.fmax.reduce(changes(series, series[:, :1]), axis=1)
+            drift[name] = self._relative(name, change, series[:, 0], t, states, values)
+        return drift
+
+    def _relative(
         self, name: str, change: np.ndarray, start: np.ndarray, t: np.ndarray,
         states: np.ndarray, values: np.ndarray,
     ) -> np.ndarray:  # fmt: skip

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,17 @@ from voronec.motion.methods import METHODS
 from voronec.motion.motion_pool import Many
 from voronec.motion.prepared_problem import integrate
 from voronec.motion.request import Event, Starts, label
-from voronec.motion.section_passages import PATIENCE, SectionPassages
-from voronec.motion.steppers import Problem, Run
+from voronec.motion.section_passages import (
+    FEWER,
+    PATIENCE,
+    START_SHARE,
+    Paths,
+    Quantity,
+    SectionPassages,
+    SectionWatch,
+    zeros,
+)
+from voronec.motion.steppers import INFINITE, Problem, Run
 from voronec.motion.trajectory import Cost, Trajectory
 from voronec.motion.transitions import is_switched
 
@@ -42,33 +52,33 @@ PLANE = "the plane of the section"
 
 def along_one(
     method: str, program: Program, state: np.ndarray, values: np.ndarray, grid: np.ndarray,
-    tol: float, passes: Passes | None = None,
-) -> tuple[np.ndarray, IntegrationError | None, Run, bool]:  # fmt: skip
-    """One motion along a grid: states (k, n), the error that ended it, its run, and whether its
-    steps collapsed, or what it ``passes`` makes it doubtful."""
+    tol: float, passes: Passes | None = None, dense: bool = False,
+) -> tuple[Run, IntegrationError | None, bool]:  # fmt: skip
+    """The run of one motion along a grid, the error that ended it, and whether its steps collapsed,
+    or what it ``passes`` makes it doubtful."""
     doubts = [False]
 
     def look(times: np.ndarray, states: np.ndarray) -> None:
         doubts.append(passes is not None and passes(times, states))
 
-    problem = Problem(program, state, values.tolist(), tol, suspect=look, marked=True)
+    problem = Problem(program, state, values.tolist(), tol, dense=dense, suspect=look, marked=True)
     make = METHODS[method].make
     assert make is not None
     run = make(problem)(grid)
-    rows, error = _states_along(run, grid)
-    lengths = np.abs(np.diff([grid[0], *run.ends]))[:-1]  # the last one is cut
-    doubts.append(lengths.min(initial=np.inf) < COLLAPSE_RATIO * lengths.max(initial=0.0))
-    return rows, error, run, error is None and any(doubts)
-
-
-def _states_along(run: Run, grid: np.ndarray) -> tuple[np.ndarray, IntegrationError | None]:
-    """The states of a run along its grid (k, n), and the error that ended it."""
     if run.interrupted:
         raise KeyboardInterrupt
+    lengths = np.abs(np.diff([grid[0], *run.ends]))[:-1]  # the last one is cut
+    doubts.append(lengths.min(initial=np.inf) < COLLAPSE_RATIO * lengths.max(initial=0.0))
+    error = _error_of(run)
+    return run, error, error is None and any(doubts)
+
+
+def states_along(run: Run, grid: np.ndarray) -> np.ndarray:
+    """The states of a run along its grid (k, n)."""
     rows = np.full((len(grid), run.states.shape[1]), np.nan)
     if not run.stopped:  # else its last instant is none of the grid
         rows[: len(run.t)] = run.states
-    return rows, _error_of(run)
+    return rows
 
 
 def _error_of(run: Run) -> IntegrationError | None:
@@ -76,6 +86,82 @@ def _error_of(run: Run) -> IntegrationError | None:
         return break_error(SINGULAR_PLACE, run.t[-1], run.states[-1])
     halt = run.halt
     return None if halt is None else break_error(halt.reason, halt.time, halt.state)
+
+
+TOGETHER, WHOLE = 128, 4
+"""About so many steps are looked at together for crossings; all of them are sampled in so many
+first stretches, and fewer and fewer later."""
+
+
+def pass_one_by_one(
+    motions: Many, watch: SectionWatch, passages: SectionPassages, method: str, tol: float
+) -> None:
+    """Follow the motions one by one with DOP853; crossings are sought on its interpolant."""
+    try:
+        for i in motions.sound:
+            error = _follow(motions, watch, passages, method, tol, i)
+            if error is not None:
+                state = np.asarray(error.state)[: watch.width]
+                passages.errors[i] = motions.error(i, str(error), FEWER, error.time, state.copy())
+            passages.tell(motions.sound)
+    except KeyboardInterrupt:
+        passages.interrupted = True
+
+
+def _follow(
+    motions: Many, watch: SectionWatch, passages: SectionPassages, method: str, tol: float, i: int
+) -> IntegrationError | None:  # fmt: skip
+    """Follow motion i stretch by stretch to its passages, or to the error that is returned."""
+    values, time, state = motions.values[i], motions.time, watch.begin(motions, [i])[0]
+    crosses, after = motions.divisor_watch(values, 0.0), -np.inf
+    span = FIRST * time_scale(motions, time, motions.states[i], values)
+
+    def plane(t: np.ndarray, states: np.ndarray, _lane: np.ndarray) -> np.ndarray:
+        return watch.function(t, states, np.broadcast_to(values, (len(states), len(values))))
+
+    def passes(t: np.ndarray, states: np.ndarray) -> bool:
+        return crosses is not None and crosses(t, states[:, : watch.width])
+
+    for stretch in count(1):
+        if passages.over(i):
+            break
+        grid = np.array([time, min(time + span, passages.until)])
+        run, error, doubtful = along_one(
+            method, watch.program, state, values, grid, tol, passes, dense=True
+        )
+        if doubtful:
+            return break_error(SINGULAR_PLACE, time, state)
+        if run.ends:
+            paths = _as_polynomials(time, run, plane)
+            after = max(after, motions.time + START_SHARE * float(paths.lengths[0, 0]))
+            found = zeros(paths, passages.direction)
+            passages.keep(i, found, 0, after)
+            seen = found.low[0], found.high[0], found.fastest[0]
+            passages.note_range(i, run.ends[-1], len(run.ends), seen)
+            some = slice(None, None, max(1, stretch // WHOLE))
+            passages.enter_samples(i, [part.pick(some) for part in run.samples])
+        passages.steps += len(run.ends)
+        time, state = float(run.t[-1]), run.states[-1]
+        if error is None and not np.isfinite(state).all():
+            error = break_error(INFINITE, time, state)
+        if error is not None:
+            return None if passages.over(i) else error
+        span *= np.clip(TOGETHER / max(1, len(run.ends)), 1 / LONGER, LONGER)
+    return None
+
+
+def _as_polynomials(begin: float, run: Run, plane: Quantity) -> Paths:
+    """The interpolants of the steps of a run, polynomials of degree seven, by their values at eight
+    points."""
+    nodes, times = np.linspace(0.0, 1.0, 8), np.array([begin, *run.ends], dtype=float)
+    lengths = np.diff(times)[:, None]
+    assert run.inside is not None
+    with np.errstate(all="ignore"):  # what is beyond doubles is told elsewhere
+        values = run.inside((times[:-1, None] + lengths * nodes).ravel())
+        values = values.reshape(len(lengths), len(nodes), -1)
+        scaled = np.swapaxes(np.linalg.solve(np.vander(nodes, increasing=True), values), 1, 2)
+        series = scaled / lengths[:, :, None] ** np.arange(len(nodes))
+    return Paths(times[:, None], series[..., None], plane, np.arange(series.shape[1]))
 
 
 def time_scale(motions: Many, time: float, state: np.ndarray, values: np.ndarray) -> float:
@@ -216,7 +302,7 @@ def _pass_alone(
     motions, names = alone.motions, [*outputs, level]
     event = Event(level, PLANE, passages.direction)
     unit = time_scale(motions, motions.time, motions.states[i], motions.values[i])
-    way = np.nan_to_num(passages.reached[i] - motions.time, posinf=0.0, neginf=0.0)
+    way = np.nan_to_num(passages.of[i].reached - motions.time, posinf=0.0, neginf=0.0)
     span, idle, run, failed = max(FIRST * unit, 2 * float(way)), 0, None, None
     while run is None or not (
         len(run.events[PLANE]) >= passages.wanted or run.t[-1] >= passages.until or idle > PATIENCE
@@ -238,7 +324,7 @@ def _pass_alone(
         span *= min(LONGER, rest, SPARE / pace if pace else LONGER)
     alone.costs.append(run.cost)
     _enter(passages, i, run, level, len(outputs), idle)
-    if failed is not None and passages.count[i] < passages.wanted:
+    if failed is not None and passages.of[i].count < passages.wanted:
         raise failed
     motions.wrong.pop(i, None)
 
@@ -250,23 +336,23 @@ def _enter(
     passages.errors.pop(i, None)
     if run.notes:
         passages.notes[i] = run.notes
-    passed, passages.parts[i] = run.events[PLANE], []
-    passages.count[i], passages.idle[i] = 0, 0
+    passed, own = run.events[PLANE], passages.of[i]
+    own.parts, own.count, own.idle = [], 0, 0
     passages.steps += run.cost.steps
     # the plane's quantity may be an output itself
-    own = run.outputs[-1] if len(run.outputs) > width else label(level)
+    plane = run.outputs[-1] if len(run.outputs) > width else label(level)
     t, begin = np.asarray(passed.t, dtype=float), float(run.t[0])
     # one that fails reaches no instant of its grid after the first, and yet its passages
     end = max(float(run.t[-1]), t.max(initial=begin))
     assert run.within is not None
     fine = np.linspace(begin, end, INSTANTS)
-    seen = run.within(fine)[own]
+    seen = run.within(fine)[plane]
     points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
-    passages.alone[i] = points.astype(float), run.drift
+    own.alone = points.astype(float), run.drift
     if len(t):
         h = STEP * (end - begin)
         sides = [run.within(np.clip(t + s * h, begin, end)) for s in (-1, 1)]
-        speeds = (sides[1][own] - sides[0][own]) / (sides[1].t - sides[0].t)
+        speeds = (sides[1][plane] - sides[0][plane]) / (sides[1].t - sides[0].t)
         passages.put(i, t, np.full((len(t), passages.width), np.nan), speeds)
     if end > begin:
         fastest = float((np.abs(np.diff(seen)) / np.diff(fine)).max())

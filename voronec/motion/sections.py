@@ -44,6 +44,7 @@ from voronec.motion.motion_pool import Drifts, Many, many
 from voronec.motion.one_by_one import (
     LoneMotions,
     go_on_alone,
+    pass_one_by_one,
 )
 from voronec.motion.request import (
     Namespace,
@@ -58,12 +59,13 @@ from voronec.motion.request import (
     spread_starts,
 )
 from voronec.motion.section_passages import (
+    FOREVER,
+    MotionPassages,
     SectionPassages,
     SectionWatch,
     pass_lanes,
-    pass_one_by_one,
 )
-from voronec.motion.state_probe import at_each, changes
+from voronec.motion.state_probe import at_each
 from voronec.motion.steppers import by_owner, with_parts
 from voronec.motion.tolerances import EXACT, FINEST
 from voronec.motion.trajectory import Cost
@@ -443,18 +445,19 @@ def section(
     if driven.changing is not None:
         given = {**getattr(chosen_scene, "inputs", {}), **(inputs or {})}
         alone = replace(alone, declared=declared, inputs=given)
-    passages = SectionPassages.empty(motions, crossings, direction, until, progress)
-    passages.strict = strict
-    cost = _follow(alone, passages, surface, on_plane, level, keys, began)
-    return _section(declared, motions, passages, tuple(wanted), surface, on_plane, cost)
+    each, width = [MotionPassages() for _ in motions.states], motions.states.shape[1]
+    last = FOREVER if until is None else number(until, "until")
+    passages = SectionPassages(each, width, crossings, direction, last, progress, strict)
+    looked_at = _follow(alone, passages, surface, on_plane, level, keys, began)
+    return _section(declared, motions, passages, tuple(wanted), surface, on_plane, *looked_at)
 
 
 def _follow(
     alone: LoneMotions, passages: SectionPassages, surface: str, value: float, level: sp.Expr,
     outputs: Sequence[Any], began: float,
-) -> Cost:  # fmt: skip
-    """Follow motions to where the ``level`` is zero, and look at them; ``DefinitionError`` where
-    that is nowhere."""
+) -> tuple[Cost, dict[str, np.ndarray]]:  # fmt: skip
+    """Follow motions to where the ``level`` is zero, and look at them: what that cost, and how much
+    integrals drift; ``DefinitionError`` where that is nowhere."""
     motions, method, tol = alone.motions, alone.method, alone.tol
     follow, used, reason, finest = None, "scipy", "each start alone", tol
     if every := bool(alone.cause or not motions.sound):
@@ -473,8 +476,7 @@ def _follow(
         run=perf_counter() - ready, steps=passages.steps, evaluations=passages.steps,
     )  # fmt: skip
     _refuse_nothing(motions, passages, surface, value)
-    _cut_unsound(motions, passages, cost)
-    return cost
+    return cost, _look_at(motions, passages, cost)
 
 
 def _followers(
@@ -531,41 +533,47 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if passages.count.any() or passages.interrupted or not passages.strict:
+    if any(own.count for own in passages.of) or passages.interrupted or not passages.strict:
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
     system = motions.namespace.equations.system.name
-    if np.isnan(passages.low).all():
+    low, high = np.array([(own.low, own.high) for own in passages.of]).T
+    if np.isnan(low).all():
         raise DefinitionError(
             f"system '{system}': {surface} has no real value along the motion; choose another plane"
         )
-    nearest = int(np.nanargmin(np.maximum(passages.low, -passages.high)))
-    low, high = passages.low[nearest] + value, passages.high[nearest] + value
+    nearest = int(np.nanargmin(np.maximum(low, -high)))
+    low, high = low[nearest] + value, high[nearest] + value
     several = len(motions) > 1
     which = f"start {nearest}, the nearest of {len(motions)}, stays" if several else "it stays"
     way = {1: " upwards", -1: " downwards", 0: ""}[passages.direction]
     raise DefinitionError(
         f"system '{system}': no motion passes through {surface} = {value:g}{way}; up to t = "
-        f"{passages.reached[nearest]:.6g} {which} between {low:.6g} and {high:.6g}; choose "
+        f"{passages.of[nearest].reached:.6g} {which} between {low:.6g} and {high:.6g}; choose "
         "another value, direction or plane"
     )
 
 
-def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
-    """Of motions that lose a proved integral, or do not obey the equations, keep the points before
-    that, and say so; those that went alone were looked at there."""
-    own = motions.namespace.equations
+def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, np.ndarray]:
+    """How much integrals drift, see ``Section.drift``; of motions that lose a proved integral, or
+    do not obey the equations, keep the points before that, and say so; those that went alone were
+    looked at there."""
+    equations = motions.namespace.equations
     integrals = {name: f"integral {name}" for name in motions.ground.integrals}
-    check = CheckOfMany(own, motions.program, cost.tolerance, integrals)
+    check = CheckOfMany(equations, motions.program, cost.tolerance, integrals)
+    drifts, drift = Drifts(motions, cost.tolerance), {n: np.zeros(len(motions)) for n in integrals}
     steps = cost.steps / max(1, len(motions.sound))
-    for i in motions.sound:
-        if not passages.parts[i] or i in passages.alone:
+    for i, own in enumerate(passages.of):
+        if own.alone is not None:
+            for name, array in drift.items():
+                array[i] = own.alone[1].get(name, np.nan)
+        if not own.parts or own.alone is not None:
             continue
-        t = np.concatenate([[motions.time], *(part[0] for part in passages.parts[i])])
-        states = np.vstack([motions.states[i], *(part[1] for part in passages.parts[i])])
+        t = np.concatenate([[motions.time], *(part[0] for part in own.parts)])
+        states = np.vstack([motions.states[i], *(part[1] for part in own.parts)])
         ends = motions.time, float(t[-1])
-        samples = by_owner(part.within(*ends) for part in passages.samples.get(i, ()))
+        samples = by_owner(part.within(*ends) for part in own.samples)
         motion = t, states[None], motions.values[i][None]
         series = motions.quantities_along(*motion)
         breaches, notes = check.breaches(*motion, steps, samples, series)
@@ -576,22 +584,26 @@ def _cut_unsound(motions: Many, passages: SectionPassages, cost: Cost) -> None:
             passages.cut(i, breach.row)
             what = f"{breach.what} after t = {time:.12g}"
             passages.errors[i] = motions.error(i, what, "end the run before that", time, state)
+        kept = slice(own.count + 1)
+        series = {name: found[:, kept] for name, found in series.items()}
+        found = drifts.along(t[kept], states[None, kept], motions.values[i][None], series)
+        for name, array in drift.items():
+            array[i] = found[name][0]
+    return drift
 
 
 def _section(
     system: System, motions: Many, passages: SectionPassages, outputs: tuple[str, ...],
-    surface: str, value: float, cost: Cost,
+    surface: str, value: float, cost: Cost, drift: Mapping[str, np.ndarray],
 ) -> Section:  # fmt: skip
     start, t, states, speed = passages.join()
     names, values = motions.program.names, motions.values[start]
     found = at_each(motions.extras, names, t, states, values)
     points = np.stack([found[name] for name in outputs], axis=-1)
-    for i, (own, _) in passages.alone.items():
-        points[start == i] = own
-    drift = _drift(motions, found, start, t, states, cost.tolerance)
-    for i, (_, changed) in passages.alone.items():
-        for name, array in drift.items():
-            array[i] = changed.get(name, np.nan)
+    for i, own in enumerate(passages.of):
+        if own.alone is not None:
+            points[start == i] = own.alone[0]
+    fastest = np.array([own.fastest for own in passages.of])
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(
@@ -604,7 +616,7 @@ def _section(
         t=t,
         start=start,
         speed=speed,
-        near_tangent=np.abs(speed) < GRAZE * passages.fastest[start],
+        near_tangent=np.abs(speed) < GRAZE * fastest[start],
         touches=tuple(passages.touches),
         ends=tuple(passages.ends(i, motions.wrong) for i in range(len(motions))),
         errors=MappingProxyType({**motions.wrong, **passages.errors}),
@@ -617,22 +629,3 @@ def _section(
         interrupted=passages.interrupted,
         notes=MappingProxyType(passages.notes),
     )
-
-
-def _drift(
-    motions: Many, found: Mapping[str, np.ndarray], start: np.ndarray, t: np.ndarray,
-    states: np.ndarray, tol: float,
-) -> dict[str, np.ndarray]:  # fmt: skip
-    """See ``Section.drift``."""
-    names, drifts = motions.program.names, Drifts(motions, tol)
-    first = at_each(motions.extras, names, motions.time, motions.states, motions.values)
-    result = {name: np.zeros(len(motions)) for name in motions.ground.integrals}
-    for i in range(len(motions)):
-        own = start == i
-        way = np.append(motions.time, t[own]), np.vstack([motions.states[i], states[own]])[None]
-        for name, array in result.items():
-            key = f"integral {name}"
-            begin = first[key][i : i + 1]
-            change = changes(found[key][own], begin).max(initial=0.0, keepdims=True)
-            array[i : i + 1] = drifts.relative(name, change, begin, *way, motions.values[i : i + 1])
-    return result

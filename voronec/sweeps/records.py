@@ -196,9 +196,7 @@ class Task:
             [*outputs.values()], self.scene, self.method, self.tol, progress=progress,
             inputs=self.inputs or None, strict=False,
         )  # fmt: skip
-        if run.interrupted:
-            raise KeyboardInterrupt
-        reasons |= {i: str(error) for i, error in run.errors.items()}
+        _enter_errors(run, reasons)
         for record in records:
             if record.kind == "drift":
                 if record.of not in run.drift:
@@ -229,10 +227,7 @@ class Task:
             value=record.value, until=float(self.times[-1]), method=self.method, tol=self.tol,
             inputs=self.inputs or None, strict=False,
         )  # fmt: skip
-        if run.interrupted:
-            raise KeyboardInterrupt
-        for i, error in run.errors.items():
-            reasons.setdefault(i, str(error))
+        _enter_errors(run, reasons)
         if first:
             found[record.column] = np.full(len(rows), np.nan)
             found[record.column][run.start] = run.t
@@ -249,10 +244,7 @@ class Task:
             count=int(max(r.value for r in records)), until=float(np.ptp(self.times)),
             inputs=self.inputs or None,
         )  # fmt: skip
-        if run.interrupted:
-            raise KeyboardInterrupt
-        for i, error in run.errors.items():
-            reasons.setdefault(i, str(error))
+        _enter_errors(run, reasons)
         for record in records:
             what, j = record.of
             found[record.column] = (run.values if what == "exponent" else run.bars)[:, j].copy()
@@ -285,6 +277,14 @@ class Task:
             if run.interrupted:
                 raise KeyboardInterrupt
             found[record.column][i] = _number_of(record, run)
+
+
+def _enter_errors(run: Any, reasons: dict[int, str]) -> None:
+    """Why motions failed, the first time; ``KeyboardInterrupt`` where they were stopped by hand."""
+    if run.interrupted:
+        raise KeyboardInterrupt
+    for i, error in run.errors.items():
+        reasons.setdefault(i, str(error))
 
 
 def _number_of(record: RecordColumn, run: Any) -> float:
