@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -37,9 +36,9 @@ from voronec.equations.definition import Definition, read
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
 from voronec.equations.reduction import in_invariants
-from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError, VoronecError
+from voronec.motion.constant_rank import Row
 from voronec.motion.constraint_geometry import implied_rows
 from voronec.motion.motion_start import InitialState, WideStart
 from voronec.motion.reactions import drift
@@ -151,7 +150,7 @@ def ambient_formulation(home: VoronecEquations, reactions: bool) -> AmbientFormu
             if system.on_group:
                 return _on_group(home)
             if frame is not None and frame.beside and not reactions:
-                return _FrameFormulation(home, frame).formulation
+                return _on_frame(home, frame)
             return _on_coordinates(home)
         return None
 
@@ -208,13 +207,14 @@ def _with_reactions(
 
 def _on_coordinates(home: VoronecEquations) -> AmbientFormulation:
     system, frame, d = home.system, home.system.frame, home.definition
-    count = len(implied_rows(d)[0])
-    sums = _fresh(system, "sum", count)
+    implied = implied_rows(d)
+    sums = _fresh(system, "sum", len(implied[0]))
 
     def free(parts: Mapping[str, Any], there: Definition) -> dict[str, Any]:
-        if len(implied_rows(there)[0]) != count:
+        rows = implied if there is d else implied_rows(there)
+        if len(rows[0]) != len(sums):
             raise EngineLimit("a chart has other constraints")
-        forces = _held_by_reactions(parts["forces"], there, [*map(velocity, sums)])
+        forces = _held_by_reactions(parts["forces"], there, [*map(velocity, sums)], *rows)
         return {"lagrangian": parts["lagrangian"], "constraints": (), "forces": forces}
 
     charts = {}
@@ -241,10 +241,10 @@ def _fresh(system: System, title: str, count: int) -> list[sp.Symbol]:
 
 def _held_by_reactions(
     forces: Mapping[Any, Any], d: Definition, impulses: Sequence[Any],
-    among: Sequence[int] | None = None,
+    rows: Sequence[Row], idle: Sequence[Row],
 ) -> dict[Any, sp.Expr]:  # fmt: skip
     """Forces with the reactions of the constraints and the relations of a system."""
-    held, out, (rows, idle) = [], d.bridge.outward, implied_rows(d, among)
+    held, out = [], d.bridge.outward
     rates = d.dots if d.group is None else d.group.coordinate_rates(d.dots)
     for *row, offset in rows:
         whole = se.Add(offset, *(a * w for a, w in zip(row, d.dots, strict=True)))
@@ -289,10 +289,11 @@ def _on_group(home: VoronecEquations) -> AmbientFormulation:
     held = [k for k in range(len(matrix)) if k not in own]
     names = dict(zip(d.dots, system.directions, strict=True))
     free = [w for w in d.dots if w not in solved]
-    impulses = _fresh(system, "impulse", len(implied_rows(d, held)[0]))
+    implied = implied_rows(d, held)
+    impulses = _fresh(system, "impulse", len(implied[0]))
     moved = bare(
         system, system.name, constraints=tuple(system.constraints[k] for k in own),
-        forces=_held_by_reactions(system.forces, d, impulses, held),
+        forces=_held_by_reactions(system.forces, d, impulses, *implied),
         frame=Frame.group(
             (*map(names.get, free), *impulses), frame.brackets or {}, frame.rates,
             tuple(map(names.get, solved)),
@@ -338,114 +339,63 @@ def _chart_of_velocities(system: System, chart: Chart) -> Chart:
 # -- in the velocities of a frame and others beside them ------------------------------------
 
 
-@dataclass(frozen=True)
-class _FrameFormulation:
-    """A system whose frame has velocities beside its own, without as many of its last
+def _on_frame(home: VoronecEquations, frame: Frame) -> AmbientFormulation:
+    """Of a system whose frame has velocities beside its own, without as many of its last
     constraints."""
+    system, count = home.system, len(frame.beside)
 
-    home: VoronecEquations
-    frame: Frame
-
-    @property
-    def count(self) -> int:
-        """How many constraints are released."""
-        return len(self.frame.beside)
-
-    @cached_property
-    def free(self) -> System:
-        """The system without the constraints."""
-        home, k = self.home.system, self.count
-        charts = {
-            name: replace(chart, changes={n: self._release(n, x) for n, x in chart.changes.items()})
-            for name, chart in home.charts.items()
-        }
-        base, fibre = home.fibration.base, home.fibration.fibre
-        parts = {n: self._release(n, x) for n, x in spell_out(home, None).items()}
-        return bare(
-            home, home.name, **parts, charts=charts, invariants=home.invariants,
-            fibration=Fibration((*base, *fibre[-k:]), fibre[:-k]),
-            frame=self._release("frame", self.frame),
-        )  # fmt: skip
-
-    def _release(self, part: str, declared: Any) -> Any:
-        """A part of what a system declares, where its last constraints are released."""
+    def release(part: str, declared: Any) -> Any:
         if part == "constraints":
-            return tuple(declared)[: -self.count]
+            return tuple(declared)[:-count]
         return Frame.quasi(declared.definitions) if part == "frame" else declared
 
-    @cached_property
-    def motions(self) -> Motions:
-        """The motions of that."""
-        return Motions.of(derive(self.free))
+    base, fibre, spelled = system.fibration.base, system.fibration.fibre, spell_out(system, None)
+    charts = {
+        name: replace(chart, changes={n: release(n, x) for n, x in chart.changes.items()})
+        for name, chart in system.charts.items()
+    }
+    free = bare(
+        system, system.name, **{n: release(n, x) for n, x in spelled.items()}, charts=charts,
+        invariants=system.invariants, frame=release("frame", frame),
+        fibration=Fibration((*base, *fibre[-count:]), fibre[:-count]),
+    )  # fmt: skip
+    motions = Motions.of(derive(free))
+    flow = motions.on_invariants if free.invariants else motions.on_coordinates
+    bridge = motions.equations.bridge
+    given = spell_out(system, frame)["constraints"][-count:]
+    constraints = [motions.on_coordinates.read(c) for c in given]
+    if free.invariants:
+        constraints = in_invariants(motions.equations, constraints)
+    if any(c is None for c in constraints):
+        raise EngineLimit("a constraint has no expression in the invariants")
+    sums, impulses = (_fresh(free, title, count) for title in ("sum", "impulse"))
+    meaning = {se.Symbol(n): bridge.inward(g) for n, g in free.invariants.items()}
 
-    @cached_property
-    def flow(self) -> VectorField:
-        """Its equations, in the invariants where there are some."""
-        return self.motions.on_invariants if self.free.invariants else self.motions.on_coordinates
+    def parts(forces: Mapping[Any, Any], own: Frame | None, meaning: Mapping[Any, Any]) -> Any:
+        """Forces with the reactions, and a frame with their impulses."""
+        held = []
+        for c in constraints:
+            pairs = zip(free.velocities, flow.velocities, strict=True)
+            slopes = {w: c.diff(v).xreplace(meaning) for w, v in pairs if c.diff(v) != 0}
+            out = {w: bridge.outward(e) for w, e in slopes.items()}
+            held.append(_Constraint(out, bridge.outward(flow.at_rest(c).xreplace(meaning))))
+        found = {"forces": _with_reactions(forces, held, impulses)}
+        moving = dict(zip(impulses, map(velocity, sums), strict=True))
+        return found | ({"frame": Frame.quasi(own.definitions | moving)} if own else {})
 
-    @cached_property
-    def constraints(self) -> list[Any]:
-        """The released constraints c as functions of its state."""
-        given = spell_out(self.home.system, self.frame)["constraints"][-self.count :]
-        own = [self.motions.on_coordinates.read(c) for c in given]
-        if not self.free.invariants:
-            return own
-        found = in_invariants(self.motions.equations, own)
-        if any(c is None for c in found):
-            raise EngineLimit("a constraint has no expression in the invariants")
-        return found
-
-    @property
-    def formulation(self) -> AmbientFormulation:
-        """The equations with the reactions, and how their velocities follow from those of home."""
-        free = self.free
-        sums, impulses = (_fresh(free, title, self.count) for title in ("sum", "impulse"))
-        meaning = {se.Symbol(n): self._inward(g) for n, g in free.invariants.items()}
-
-        def forces(given: Mapping[Any, Any], meaning: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
-            out, held = self.motions.equations.bridge.outward, []
-            for c in self.constraints:
-                pairs = zip(free.velocities, self.flow.velocities, strict=True)
-                slopes = {w: out(c.diff(v).xreplace(meaning)) for w, v in pairs if c.diff(v) != 0}
-                held.append(_Constraint(slopes, out(self.flow.at_rest(c).xreplace(meaning))))
-            return _with_reactions(given, held, impulses)
-
-        def frame_with_impulses(own: Any) -> Frame:
-            return Frame.quasi(
-                own.definitions | dict(zip(impulses, map(velocity, sums), strict=True))
-            )
-
-        charts = {}
-        for name, chart in free.charts.items():
-            there = {x: self._in_chart(e, chart) for x, e in meaning.items()}
-            changes = {
-                **chart.changes,
-                "forces": forces(chart.changes.get("forces", free.forces), there),
-            }
-            if "frame" in changes:
-                changes["frame"] = frame_with_impulses(changes["frame"])
-            charts[name] = replace(chart, changes=changes)
-        system = replace(
-            free, forces=forces(free.forces, meaning), charts=charts,
-            frame=frame_with_impulses(self.frame),
-            fibration=Fibration((*free.fibration.base, *sums), free.fibration.fibre),
-            integrals=_integrals(
-                self.home.system, self.motions.equations.bridge, {}, self.flow.form,
-                self.constraints,
-            ),
-        )  # fmt: skip
-        below, own = Motions.of(self.home).on_coordinates, {*self.home.system.velocities}
-        fresh = {w: e for w, e in self.frame.definitions.items() if w not in own}
-        found = canonical_for_numbers([below.read(e) for e in fresh.values()], below.form)
-        beside = {plain_name(w): below.bridge.outward(e) for w, e in zip(fresh, found, strict=True)}
-        return AmbientFormulation(self.home, derive(system), beside, {})
-
-    def _in_chart(self, expr: Any, chart: Any) -> Any:
-        """A function of the coordinates as one of those of a chart."""
-        back = {
-            self._inward(x): self._inward(e) for x, e in chart.values(self.free, "back").items()
-        }
-        return canonical([Angles().resolve(expr.xreplace(back))])[0]
-
-    def _inward(self, expr: Any) -> Any:
-        return self.motions.equations.bridge.inward(expr)
+    moved = {}
+    for name, chart in free.charts.items():
+        back = {bridge.inward(x): bridge.inward(e) for x, e in chart.values(free, "back").items()}
+        there = {x: canonical([Angles().resolve(e.xreplace(back))])[0] for x, e in meaning.items()}
+        fresh = parts(chart.changes.get("forces", free.forces), chart.changes.get("frame"), there)
+        moved[name] = replace(chart, changes={**chart.changes, **fresh})
+    whole = replace(
+        free, charts=moved, **parts(free.forces, frame, meaning),
+        fibration=Fibration((*free.fibration.base, *sums), free.fibration.fibre),
+        integrals=_integrals(system, bridge, {}, flow.form, constraints),
+    )  # fmt: skip
+    below = Motions.of(home).on_coordinates
+    others = {w: e for w, e in frame.definitions.items() if w not in {*system.velocities}}
+    found = canonical_for_numbers([below.read(e) for e in others.values()], below.form)
+    beside = zip(map(plain_name, others), map(below.bridge.outward, found), strict=True)
+    return AmbientFormulation(home, derive(whole), dict(beside), {})

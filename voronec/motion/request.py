@@ -452,7 +452,7 @@ class Namespace:
             f"reaction {k + 1}": k for k in range(len(self.reaction_definition.constraints.matrix))
         }
 
-    @property
+    @cached_property
     def reaction_definition(self) -> Definition:
         """The definition with the constraints that react."""
         d = self.equations.definition if self.home is None else self.home.definition
@@ -470,9 +470,12 @@ class Namespace:
         if self.home is None:
             return ()
         home, own = self.home.definition, self.equations.definition
-        held = (*home.constraints.expressions(home.dots), *own.constraints.expressions(own.dots))
         frame = () if own.frame is None else own.frame.expressions(own.dots)
-        return (*held, *(e - v for e, v in zip(frame, own.velocities, strict=False)))
+        return (
+            *home.constraints.expressions(home.dots), *home.differentiated.expressions(home.dots),
+            *own.constraints.expressions(own.dots),
+            *(e - v for e, v in zip(frame, own.velocities, strict=False)),
+        )  # fmt: skip
 
     @cached_property
     def _reaction_symbols(self) -> tuple[sp.Symbol, ...]:
