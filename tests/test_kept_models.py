@@ -145,6 +145,18 @@ def test_a_prepared_problem_runs_as_integrate_does() -> None:
         assert run.drift == same.drift and run.names == same.names
 
 
+def test_of_problems_with_reactions_each_gives_its_own() -> None:
+    """The equations are written once for what was asked for last, which may be another."""
+    sleigh, given = vo.load("sleigh"), {"initial": {"w": 2}, "times": np.linspace(0, 4, 9)}
+    asked = [("reaction 1", "x"), ("x", "reaction 1"), ("reaction 1", "phi"), ("reaction 1",)]
+    prepared = [vo.prepare(sleigh, outputs=outputs) for outputs in asked]
+    for problem in (*prepared, *prepared):
+        run = problem.run(**given)
+        same = vo.integrate(replace(sleigh), outputs=problem.outputs, **given)
+        assert run.outputs == same.outputs == problem.outputs
+        assert all(np.array_equal(run[name], same[name]) for name in run.outputs)
+
+
 @pytest.mark.parametrize(
     ("asked", "run", "word"),
     [

@@ -231,6 +231,17 @@ def test_a_lost_integral_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.abs(trajectory["x"] - np.cos(trajectory.t)).max() < 1e-10
 
 
+def test_a_lost_relation_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of variables which have it by their meaning."""
+    system = dataclasses.replace(vo.load("suslov"), integrals={})
+    corrupted(monkeypatch, 1.0, np.array([0, 1e-3]))
+    with pytest.raises(vo.IntegrationError, match=r"the relation .* gamma3\*\*2 = 0 is lost by"):
+        vo.integrate(
+            system, times=np.linspace(0, 2, 21), outputs=("gamma1", "gamma2", "gamma3"),
+            method="scipy", tol=1e-10,
+        )  # fmt: skip
+
+
 @pytest.mark.parametrize("mass", [1e-20, 1, 1e20])
 def test_a_wrong_run_is_noticed_whatever_the_masses(
     monkeypatch: pytest.MonkeyPatch, mass: float

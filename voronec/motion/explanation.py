@@ -29,7 +29,7 @@ from voronec.motion.inputs import drive
 from voronec.motion.motion_start import rates_at
 from voronec.motion.numeric_model import numbers_at
 from voronec.motion.reactions import Multipliers
-from voronec.motion.request import Namespace, StartData, number, outputs_of, scene_of
+from voronec.motion.request import Namespace, StartData, begin_of, outputs_of, scene_of
 
 if TYPE_CHECKING:
     from voronec.motion.formulation import Role
@@ -117,8 +117,7 @@ def _start(
     """Numbers of coordinates, velocities, parameters, time; what has no value is left out."""
     equations = namespace.equations
     constants = parameter_values(namespace, {**given.parameters, **inputs}, set())
-    time = number(scene.times[0], "the span's start") if scene else 0.0
-    form = equations.raw.form
+    time, form = begin_of(scene), equations.raw.form
     rates = rates_at(equations, form, constants, time)
     start = start_of(namespace, given.scene_initial, given.initial, constants, rates, time)
     return numbers_at(form, start.state, constants, time)

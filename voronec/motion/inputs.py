@@ -187,8 +187,8 @@ def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bo
     if not (isinstance(read, Signal) or read.is_number):
         return _StandIn((name, read), _rates(u, _jet_of_expression(system, u, read)))
     degree = read.degree if isinstance(read, Signal) else 0
-    symbols = _symbols(system, u, degree)
-    shape, meaning = (name, (degree, len(symbols))), _rates(u, _polynomial(symbols, degree))
+    symbols, jet = _polynomial(system, u, degree)
+    shape, meaning = (name, (degree, len(symbols))), _rates(u, jet)
     if not isinstance(read, Signal):
         return _StandIn(shape, meaning, symbols, {name: read})
     _require_rates(system, u, read)
@@ -326,23 +326,17 @@ def _rates(u: sp.Expr, jet: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
     return dict(zip((u, velocity(u), velocity(velocity(u))), jet, strict=False))
 
 
-def _symbols(system: System, u: sp.Expr, degree: int) -> list[sp.Symbol]:
-    """Parameters for the values of an input and its rates, and for the instant that they are of."""
+def _polynomial(system: System, u: sp.Expr, degree: int) -> tuple[list[sp.Symbol], list[sp.Expr]]:
+    """Parameters for the values of an input and its rates, and for the instant s that they are of;
+    and u + udot (t - s) + ..., with its derivatives."""
     name = plain_name(u)
-    found = [sp.Symbol(name + "dot" * k) for k in range(degree + 1)]
+    values = [sp.Symbol(name + "dot" * k) for k in range(degree + 1)]
     if not degree:
-        return found
+        return values, [values[0], sp.Integer(0), sp.Integer(0)]
     taken = {plain_name(s) for s in system.known_symbols()}
-    return [*found, sp.Symbol(unused_name(f"{name}_since", taken))]
-
-
-def _polynomial(symbols: Sequence[sp.Symbol], degree: int) -> list[sp.Expr]:
-    """u + udot (t - s) + ..., and its derivatives."""
-    if not degree:
-        return [symbols[0], sp.Integer(0), sp.Integer(0)]
-    *values, since = symbols
+    since = sp.Symbol(unused_name(f"{name}_since", taken))
     whole = sp.Add(*[c * (time - since) ** k / factorial(k) for k, c in enumerate(values)])
-    return [whole, whole.diff(time), whole.diff(time, 2)]
+    return [*values, since], [whole, whole.diff(time), whole.diff(time, 2)]
 
 
 def _require_rates(system: System, u: sp.Expr, signal: Signal) -> None:

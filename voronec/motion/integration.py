@@ -121,7 +121,8 @@ class MotionRequest:
         if formulation is None:
             raise self._no_velocities()
         namespace = formulation.namespace(home.inputs)
-        bits = self._start_bits if is_exact(self.method, self.tol) else 0
+        exact = is_exact(self.method, self.tol)
+        bits = ceil(-log2(self.tol)) + 2 * MARGIN if exact else 0
         try:
             given = formulation.start(home, self.start_data, self.outset, time, bits, self.project)
             outset = InitialState.of(namespace, given, time, False, self.outset.changing)
@@ -168,11 +169,6 @@ class MotionRequest:
             time,
             self.outset.state,
         )
-
-    @property
-    def _start_bits(self) -> int:
-        """In how many bits a start is computed that is exact."""
-        return ceil(-log2(self.tol)) + 2 * MARGIN
 
     def by_controllers(self) -> Trajectory:
         """On the coordinates, of which controllers are told, once: a controller that remembers
@@ -403,8 +399,8 @@ class _Job:
         made, equations = self.made, self.asked.namespace.equations
         watch, form = made.watch, equations.raw.form
         check = SolutionCheck(
-            equations, made.program, [float(x) for x in values], sight.cost.tolerance,
-            run.steps, watch.integrals_to_follow(smooth), watch.relations, made.relations,
+            equations, made.program, [np.float64(x) for x in values], sight.cost.tolerance,
+            run.steps, watch.integrals_to_follow(smooth), {**watch.relations, **watch.vanishing},
             self.asked.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
         own = [str(x) for x in (*form.coordinates, *form.velocities)]

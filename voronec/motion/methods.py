@@ -214,7 +214,7 @@ def choose(
     Steps are counted from the ``outset``: the problem itself, unless another is given, in variables
     that are regular where the run begins.
     """
-    if method not in method_names():
+    if method != "auto" and method not in METHODS:
         known = ", ".join(method_names())
         raise DefinitionError(f"there is no method '{method}'; methods are {known}")
     if method == CLOSED_FORM:

@@ -47,14 +47,6 @@ class ProgrammedModel:
         return "coordinates" if self.model is None else self.model.formulation
 
     @property
-    def relations(self) -> tuple[Any, ...]:
-        """What vanishes along every motion, by the meaning of the model's variables."""
-        if self.model is None:
-            return ()
-        known = {*self.program.state, *self.program.parameters, self.program.time}
-        return tuple(r for r in self.model.cut.relations if r.free_symbols <= known)
-
-    @property
     def moving_form(self) -> Any:
         """The form that the program is made of."""
         return self.form if self.model is None else self.model.form
@@ -112,10 +104,10 @@ def make_model(
     coordinates; ``followed`` keeps angles among the states.  Reactions need accelerations, and so
     the coordinates.  What is asked for last is kept with the names.
     """
-    key = tuple(outputs), tuple(map(type, outputs)), tuple(functions.items())
     wanted, models = namespace.memo.last(
-        ("models", followed), key, lambda: _models(namespace, outputs, functions, followed)
-    )
+        ("models", followed), _request_key(outputs, functions),
+        lambda: _models(namespace, outputs, functions, followed),
+    )  # fmt: skip
     if models is None:
         return whole(namespace, outputs, functions)
     known = numbers_at(namespace.equations.raw.form, start, constants, time)
@@ -139,6 +131,11 @@ def make_model(
         for name, a in model.cut.angles.items()
     }
     return replace(made, watch=replace(made.watch, branches=branches)) if branches else made
+
+
+def _request_key(outputs: Sequence[Any], functions: Mapping[str, Any]) -> tuple[Any, ...]:
+    """What is asked for, told from all else."""
+    return tuple(outputs), tuple(map(type, outputs)), tuple(functions.items())
 
 
 def _models(
@@ -196,9 +193,13 @@ def _watch(namespace: Namespace, wanted: OutputTerms, model: Model) -> ObservedQ
     inside = {str(r): namespace.inward(r) for r in relations}
     kept = {name: e for name, e in inside.items() if e.free_symbols <= usable}
     besides = {n: e for n, e in _besides(namespace, model).items() if n not in wanted.names}
-    expressions = shown | parts | besides
+    form = model.form
+    known = {*form.coordinates, *form.velocities, *form.parameters, form.time}
+    meanings = {f"vanishing {r}": r for r in formulation.relations if r.free_symbols <= known}
+    expressions = shown | parts | besides | meanings
     watch = ObservedQuantities.of(wanted, expressions, formulation.integrals, kept)
-    return replace(watch, besides=tuple(besides))
+    vanishing = {f"{r} = 0": name for name, r in meanings.items()}
+    return replace(watch, besides=tuple(besides), vanishing=vanishing)
 
 
 def _besides(namespace: Namespace, model: Model) -> dict[str, Any]:
@@ -215,7 +216,14 @@ def _besides(namespace: Namespace, model: Model) -> dict[str, Any]:
 def whole(
     namespace: Namespace, outputs: Sequence[Any], functions: Mapping[str, Any]
 ) -> ProgrammedModel:
-    """The equations as they are, on coordinates and velocities."""
+    """The equations as they are, on coordinates and velocities; the last is kept with the names."""
+    what = _request_key(outputs, functions)
+    return namespace.memo.last("whole", what, lambda: _whole(namespace, outputs, functions))
+
+
+def _whole(
+    namespace: Namespace, outputs: Sequence[Any], functions: Mapping[str, Any]
+) -> ProgrammedModel:
     form = namespace.equations.form
     terms = namespace.read_outputs(outputs).terms
     forces = namespace.holds_reactions((*terms.values(), *functions.values()))

@@ -51,9 +51,10 @@ class ObservedQuantities:
 
     ``outputs`` in order; those in ``reactions``, positions of constraints, come from
     ``multipliers`` and the accelerations, those in ``branches`` are angles read off others; the
-    rest are ``expressions`` of their own.  ``besides`` are coordinates and velocities that nobody
-    asked for and that are known without being integrated; ``forces`` says whether expressions, or
-    functions of events, hold reactions.
+    rest are ``expressions`` of their own.  ``relations`` are those of the coordinates, and
+    ``vanishing`` those that a model's variables have by their meaning.  ``besides`` are coordinates
+    and velocities that nobody asked for and that are known without being integrated; ``forces``
+    says whether expressions, or functions of events, hold reactions.
     """
 
     outputs: tuple[str, ...]
@@ -65,6 +66,7 @@ class ObservedQuantities:
     multipliers: Multipliers | None = None
     branches: Mapping[str, AngleBranch] = field(default_factory=dict)
     besides: tuple[str, ...] = ()
+    vanishing: Mapping[str, str] = field(default_factory=dict)
     forces: bool = False
 
     @property
@@ -75,7 +77,7 @@ class ObservedQuantities:
     @cached_property
     def for_conservation(self) -> frozenset[str]:
         """The names under which the program computes integrals, their sizes and relations."""
-        parts = (self.integrals, self.sizes, self.relations)
+        parts = (self.integrals, self.sizes, self.relations, self.vanishing)
         return frozenset(key for part in parts for key in part.values())
 
     @classmethod

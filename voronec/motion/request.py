@@ -139,7 +139,7 @@ def scene_of(
 
     ``DefinitionError`` where there is none; ``instead`` is what would do in place of a scene.
     """
-    if isinstance(scene, Scene):
+    if isinstance(scene, Scene) or (scene is None and not needed):
         return scene
     if scene is not None and not isinstance(scene, str):
         raise DefinitionError(
@@ -147,8 +147,6 @@ def scene_of(
             "voronec.Scene"
         )
     if scene is None:
-        if not needed:
-            return None
         if "default" not in system.scenes:
             raise DefinitionError(
                 f"system '{system.name}' has no scene 'default'; give {instead}, or scene= one of "
@@ -258,14 +256,19 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
     """
     known = scene or system.scenes.get("default")
     if times is None:
-        return _span(system, known)
+        if known is None:
+            raise DefinitionError(
+                f"system '{system.name}' has no scene to take the span from; give times"
+            )
+        times = number(known.times[1], "the span's end")
     try:
         grid = doubles(times, "times")
     except DefinitionError as error:
         raise DefinitionError(f"{error}; {GRID}") from None
     if grid.ndim == 0 and np.isfinite(grid):
-        begin = 0.0 if known is None else number(known.times[0], "the span's end")
-        grid = _even(begin, float(grid))
+        begin, end = begin_of(known), float(grid)
+        _require_span(begin, end)
+        grid = np.linspace(begin, end, POINTS)
     if grid.ndim != 1 or grid.size == 0 or not np.isfinite(grid).all():
         raise DefinitionError(f"times = {quote(grid)}: {GRID}")
     _require_span(float(grid[0]), float(grid[-1]))
@@ -273,20 +276,6 @@ def grid_of(system: System, scene: Scene | None, times: Any) -> np.ndarray:
     if not ((steps > 0).all() or (steps < 0).all()):
         raise DefinitionError(f"times = {quote(grid)}: {GRID}")
     return grid
-
-
-def _span(system: System, scene: Scene | None) -> np.ndarray:
-    if scene is None:
-        raise DefinitionError(
-            f"system '{system.name}' has no scene to take the span from; give times"
-        )
-    start, end = (number(x, "the span's end") for x in scene.times)
-    return _even(start, end)
-
-
-def _even(start: float, end: float) -> np.ndarray:
-    _require_span(start, end)
-    return np.linspace(start, end, POINTS)
 
 
 def _require_span(start: float, end: float) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -88,12 +87,13 @@ MERE_CLAIM, JUMPS = "is only claimed", "jumps with the forces"
 
 @dataclass(frozen=True)
 class SolutionCheck:
-    """What is known of a run: its program at ``values`` of the parameters, with a tolerance.
+    """What is known of a run: its program at ``values`` of the parameters, numpy's doubles, with a
+    tolerance.
 
     ``integrals`` and ``relations`` name extra quantities of the program, and those that give the
-    size of the terms; ``vanishing`` are further relations, expressions in the program's symbols;
-    parameters that are ``changing`` are those of the start among the ``values``; of the integrals
-    ``jumping`` with the forces, named in the same way, no proof holds across the jumps.
+    size of the terms; parameters that are ``changing`` are those of the start among the ``values``;
+    of the integrals ``jumping`` with the forces, named in the same way, no proof holds across the
+    jumps.
     """
 
     equations: VoronecEquations
@@ -103,7 +103,6 @@ class SolutionCheck:
     steps: int
     integrals: Mapping[str, tuple[str, str]]
     relations: Mapping[str, str]
-    vanishing: Sequence[Any] = ()
     changing: Signals | None = None
     jumping: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
@@ -151,6 +150,8 @@ class SolutionCheck:
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
+        if self.changing is None:
+            return [*self.values]
         return values_along(self.changing, map(str, self.program.parameters), self.values, t)
 
     def losses(
@@ -160,11 +161,9 @@ class SolutionCheck:
         notes on those that need not."""
         rows = spread(len(t), most)
         relations = {name: (key, "") for name, key in self.relations.items()}
-        relations |= {f"{e} = 0": (f"vanishing {e}", "") for e in self.vanishing}
-        extras, run = self._extras(), (t[rows], states[rows], self.tol, self.steps)
-        breaches, notes = [], []
-        lost = ConservedQuantities({**self.integrals, **relations}, extras).losses(*run)
-        lost |= ConservedQuantities(self.jumping, extras, jumping=True).losses(*run)
+        run, breaches, notes = (t[rows], states[rows], self.tol, self.steps), [], []
+        lost = ConservedQuantities({**self.integrals, **relations}, self._extras).losses(*run)
+        lost |= ConservedQuantities(self.jumping, self._extras, jumping=True).losses(*run)
         for name, (i, change, allowed) in lost.items():
             amount = f"by {change:.2g}, where the tolerance allows {allowed:.2g}"
             if name in relations:
@@ -184,22 +183,8 @@ class SolutionCheck:
             return False
         return is_proved(self.equations, name)
 
-    def _extras(self) -> Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]:
-        program = self.program
-        inputs = (program.time, *program.state, *program.parameters)
-        further = _function(inputs, tuple(self.vanishing)) if self.vanishing else None
-
-        def extras(t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
-            given = self.at(t)
-            found = evaluate_extras(program, t, states, given)
-            if further is not None:
-                wide = [np.broadcast_to(x, t.shape) for x in given]
-                columns = further(np.column_stack([t, states, *wide])).reshape(len(t), -1).T
-                names = (f"vanishing {e}" for e in self.vanishing)
-                found |= zip(names, columns, strict=True)
-            return found
-
-        return extras
+    def _extras(self, t: np.ndarray, states: np.ndarray) -> Mapping[str, np.ndarray]:
+        return evaluate_extras(self.program, t, states, self.at(t))
 
 
 @dataclass(frozen=True)
@@ -286,11 +271,6 @@ def _scale(sizes: np.ndarray) -> np.ndarray:
     """Sizes at the instants compared: here, at the start, and along the way, where a single large
     one counts for nothing."""
     return np.maximum(np.nan_to_num(sizes, nan=np.inf), max(float(sizes[0]), usual_size(sizes)))
-
-
-@lru_cache(maxsize=32)  # runs of one system have the same relations
-def _function(inputs: tuple[Any, ...], exprs: tuple[Any, ...]) -> Any:
-    return se.Lambdify(list(inputs), list(exprs), **HASTE)
 
 
 def is_proved(equations: VoronecEquations, name: str) -> bool:
@@ -387,7 +367,7 @@ class CheckOfMany:
         for i, name in self._drifts_at(series):
             whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
             one = SolutionCheck(
-                self.equations, self.program, values[i].tolist(), self.tol, int(steps), own, {}
+                self.equations, self.program, [*values[i]], self.tol, int(steps), own, {}
             )
             lost, told = one.losses(t[whole], states[i][whole], len(t))
             breaches += [(i, breach) for breach in lost]
