@@ -95,11 +95,11 @@ def compile_expressions(expressions: Iterable[Any], symbols: Sequence[Any]) -> F
         if atom not in places:
             raise DefinitionError(f"'{atom}' has no value in the closed form")
 
-    def evaluated(given: Sequence[Any]) -> list[Any]:
+    def evaluate_balls(given: Sequence[Any]) -> list[Any]:
         values = {atom: given[places[atom]] for atom in tape.atoms}
         return tape.run(values, lambda number: number() if callable(number) else arb(number))
 
-    return evaluated
+    return evaluate_balls
 
 
 def angle(y: Any, x: Any) -> Any:
