@@ -26,6 +26,7 @@ _NO_VALUE = flint.arb("nan")
 _ALIKE = "sin cos tan cot asin acos atan sinh cosh tanh coth asinh acosh atanh log floor".split()
 _UNARY: dict[type, Callable[[Any], Any]] = {
     **{getattr(se, name): methodcaller(name) for name in _ALIKE},
+    se.Abs: abs,
     se.sec: lambda a: 1 / a.cos(),
     se.csc: lambda a: 1 / a.sin(),
     se.acot: lambda a: (1 / a).atan(),
@@ -83,11 +84,18 @@ class Tape:
 
     ``atoms`` are the symbols, unknown functions and their derivatives it needs values for, by
     name: equal sums may hold their terms in another order, and what is drawn for atoms, or kept
-    for equal expressions, is not to depend on that.  ``given`` are expressions taken for atoms.
+    for equal expressions, is not to depend on that.  ``given`` are expressions taken for atoms;
+    ``root`` and ``angle`` are other ways to take square roots and ``atan2(y, x)``.
     """
 
-    def __init__(self, exprs: Sequence[Any], given: Iterable[Any] = ()) -> None:
-        self._given = {*given}
+    def __init__(
+        self,
+        exprs: Sequence[Any],
+        given: Iterable[Any] = (),
+        root: Callable[[Any], Any] = methodcaller("sqrt"),
+        angle: Callable[[Any, Any], Any] | None = None,
+    ) -> None:
+        self._given, self._root, self._angle = {*given}, root, angle or _angle
         self._atom_slots: dict[Any, int] = {}
         self._constants: list[tuple[int, Any]] = []
         self._code: list[tuple[int, Callable[..., Any], tuple[int, ...]]] = []
@@ -161,9 +169,10 @@ class Tape:
         if isinstance(expr, se.Mul):
             return _product, expr.args
         if isinstance(expr, se.Pow):
-            return _power(*expr.args)
+            base, exponent = expr.args
+            return _power(base, exponent, self._root)
         if isinstance(expr, se.atan2):
-            return _angle, expr.args
+            return self._angle, expr.args
         name = numeric.numeric_name(expr)
         unary = _UNARY.get(type(expr)) if name is None else _NUMERIC[name]
         if unary is None:
@@ -191,7 +200,9 @@ def _product(*values: Any) -> Any:
     return total
 
 
-def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]:
+def _power(
+    base: Any, exponent: Any, root: Callable[[Any], Any]
+) -> tuple[Callable[..., Any], Sequence[Any]]:
     if base == se.E:
         return (lambda a: a.exp()), (exponent,)
     if isinstance(exponent, se.Rational):
@@ -199,7 +210,7 @@ def _power(base: Any, exponent: Any) -> tuple[Callable[..., Any], Sequence[Any]]
         if q == 1:
             return (lambda a: _integer_power(a, p)), (base,)
         if q == 2:
-            return (lambda a: _integer_power(a.sqrt(), p)), (base,)
+            return (lambda a: _integer_power(root(a), p)), (base,)
         return (lambda a: _integer_power(a.root(q), p)), (base,)
     return (lambda a, b: (a.log() * b).exp()), (base, exponent)
 

@@ -18,17 +18,14 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
+import symengine as se
 import sympy as sp
 
-from voronec.algebra.memo import remember
 from voronec.algebra.precision import PROOF
+from voronec.algebra.tape import Tape
 from voronec.algebra.text import as_expression
 from voronec.algebra.verdicts import prove_equal
-from voronec.equations.program.dialect import execute
-from voronec.errors import DefinitionError, EngineLimit
-
-_NAMES = "sin cos tan asin acos atan exp log sinh cosh tanh".split()
-_METHODS = {getattr(sp, name): name for name in _NAMES}
+from voronec.errors import DefinitionError
 
 Function = Callable[[Sequence[Any]], list[Any]]
 """Balls in, balls out."""
@@ -90,19 +87,19 @@ def compile_expressions(expressions: Iterable[Any], symbols: Sequence[Any]) -> F
 
     Equal parts are computed once.  ``EngineLimit`` for a function that balls do not have.
     """
-    from flint import arb, fmpq
+    from flint import arb
 
-    writer = _Writer(symbols)
-    results = [writer.term(exact(e)) for e in expressions]
-    lines = ["def evaluated(given):"]
-    if symbols:
-        lines.append(f"    {', '.join(writer.arguments)}, = given")
-    lines += [f"    {line}" for line in writer.lines]
-    lines.append(f"    return [{', '.join(results)}]")
-    numbers = [fmpq(int(q.p), int(q.q)) for q in writer.numbers]
-    names = {"arb": arb, "N": numbers, "root": root, "angle": angle, "whole": whole}
-    function: Function = execute("\n".join(lines) + "\n", "balls", names)["evaluated"]
-    return function
+    tape = Tape([se.sympify(exact(e)) for e in expressions], root=root, angle=angle)
+    places = {se.sympify(symbol): place for place, symbol in enumerate(symbols)}
+    for atom in tape.atoms:
+        if atom not in places:
+            raise DefinitionError(f"'{atom}' has no value in the closed form")
+
+    def evaluate_balls(given: Sequence[Any]) -> list[Any]:
+        values = {atom: given[places[atom]] for atom in tape.atoms}
+        return tape.run(values, lambda number: number() if callable(number) else arb(number))
+
+    return evaluate_balls
 
 
 def angle(y: Any, x: Any) -> Any:
@@ -124,83 +121,6 @@ def root(x: Any) -> Any:
     if found.is_finite() or x < 0:
         return found
     return arb(0).union(x.abs_upper().sqrt())
-
-
-def whole(x: Any, power: int) -> Any:
-    """A whole power by products: flint's own is no number for a ball around 0."""
-    if power < 0:
-        return 1 / whole(x, -power)
-    result = None
-    while power:
-        if power & 1:
-            result = x if result is None else result * x
-        power >>= 1
-        x = x * x if power else x
-    return 1 if result is None else result
-
-
-class _Writer:
-    """Writes the lines of a function, each part of the expressions once."""
-
-    def __init__(self, symbols: Sequence[Any]) -> None:
-        self.arguments = [f"a{i}" for i in range(len(symbols))]
-        self.known: dict[Any, str] = dict(zip(symbols, self.arguments, strict=True))
-        self.lines: list[str] = []
-        self.numbers: list[Any] = []
-
-    @remember("known")
-    def term(self, expr: Any) -> str:
-        """The name under which an expression is computed."""
-        text = self._write(expr)
-        name = f"b{len(self.lines)}"
-        self.lines.append(f"{name} = {text}")
-        return name
-
-    def _write(self, expr: Any) -> str:
-        if expr.is_Rational:
-            return f"arb({self._number(expr)})"
-        if expr.is_Add:
-            return " + ".join(map(self._operand, expr.args))
-        if expr.is_Mul:
-            return " * ".join(map(self._operand, expr.args))
-        if expr.is_Pow:
-            return self._power(*expr.as_base_exp())
-        if expr == sp.pi:
-            return "arb.pi()"
-        if isinstance(expr, sp.atan2):
-            y, x = map(self.term, expr.args)
-            return f"angle({y}, {x})"
-        if isinstance(expr, sp.Abs):
-            return f"abs({self.term(expr.args[0])})"
-        if expr.func in _METHODS:
-            return f"{self.term(expr.args[0])}.{_METHODS[expr.func]}()"
-        if isinstance(expr, sp.Symbol | sp.Derivative):
-            raise DefinitionError(f"'{expr}' has no value in the closed form")
-        raise EngineLimit(f"'{expr}' cannot be evaluated in ball arithmetic; write it with sines, "
-                          "cosines, roots and atan2")  # fmt: skip
-
-    def _number(self, expr: Any) -> str:
-        if expr.is_Integer and abs(expr) < 1 << 60:
-            return str(int(expr))
-        if expr not in self.numbers:
-            self.numbers.append(expr)
-        return f"N[{self.numbers.index(expr)}]"
-
-    def _operand(self, expr: Any) -> str:
-        # a number beside a ball takes on the precision in force there
-        return f"({self._number(expr)})" if expr.is_Rational else self.term(expr)
-
-    def _power(self, base: Any, power: Any) -> str:
-        below = self.term(base)
-        if power.is_Integer:
-            return _product(below, int(power))
-        if power.is_Rational and power.q == 2:
-            return _product(f"root({below})", int(power.p))
-        return f"{below}**{self.term(power)}"
-
-
-def _product(base: str, power: int) -> str:
-    return base if power == 1 else f"whole({base}, {power})"
 
 
 _ANGLE = sp.Symbol("closed_form_angle", positive=True)
