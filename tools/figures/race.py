@@ -40,10 +40,6 @@ class Spread:
         """Ratios, repetition by repetition."""
         return Spread(tuple(a / b for a, b in zip(self.values, other.values, strict=False)))
 
-    def times_factor(self, factor: float) -> Spread:
-        """All of them times a factor."""
-        return Spread(tuple(factor * x for x in self.values))
-
 
 @dataclass(frozen=True)
 class OneRun:

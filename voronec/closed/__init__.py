@@ -3,26 +3,22 @@
 Names load on first use: pictures of this room show runs, too, that are not in closed form.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from voronec.algebra.lazy_names import load_on_use
 
 if TYPE_CHECKING:
-    from voronec.closed.closed_form import ClosedForm
-    from voronec.closed.compiled_motion import prepare
-    from voronec.closed.inverted_motion import Turn
-    from voronec.closed.problem import InversionProblem
+    from voronec.closed.closed_form import ClosedForm as ClosedForm
+    from voronec.closed.compiled_motion import prepare as prepare
+    from voronec.closed.inverted_motion import Turn as Turn
+    from voronec.closed.problem import InversionProblem as InversionProblem
 
-__all__ = ["ClosedForm", "InversionProblem", "Turn", "prepare"]
-
-_HOME = {
-    "ClosedForm": "closed_form",
-    "InversionProblem": "problem",
-    "Turn": "inverted_motion",
-    "prepare": "compiled_motion",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'voronec.closed' has no attribute '{name}'")
-    return getattr(import_module(f"voronec.closed.{_HOME[name]}"), name)
+__all__, __getattr__, __dir__ = load_on_use(
+    __name__,
+    {
+        "closed_form": "ClosedForm",
+        "compiled_motion": "prepare",
+        "inverted_motion": "Turn",
+        "problem": "InversionProblem",
+    },
+)

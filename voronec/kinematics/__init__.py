@@ -6,8 +6,9 @@ radians, all else is in units of the user's that fit together.  What is given ot
 ``DefinitionError``.  Names load on first use.
 """
 
-from importlib import import_module as _import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from voronec.algebra.lazy_names import load_on_use
 
 if TYPE_CHECKING:
     from voronec.declaration.derivatives import derivative as derivative
@@ -59,11 +60,10 @@ if TYPE_CHECKING:
     from voronec.kinematics.vectors import dot as dot
     from voronec.kinematics.vectors import matrix_product as matrix_product
 
-
-_HOME = {
-    name: module
-    for module, names in {
-        ".declaration.derivatives": "derivative",
+__all__, __getattr__, __dir__ = load_on_use(
+    __name__,
+    {
+        "voronec.declaration.derivatives": "derivative",
         "balanced_balls": "BalancedBall BallMotion SymmetricBallMotion",
         "ball_on_revolution": "BallOnRevolution",
         "balls": "RollingBall contact_momentum",
@@ -89,19 +89,5 @@ _HOME = {
         "sleighs": "Sleigh",
         "surfaces": "Surface",
         "vectors": "cross dot matrix_product",
-    }.items()
-    for name in names.split()
-}
-"""Names, and the modules that they are in."""
-
-__all__ = sorted(_HOME)
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'voronec.kinematics' has no attribute '{name}'")
-    return getattr(_import_module(f".{_HOME[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    },
+)

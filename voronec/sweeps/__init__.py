@@ -7,21 +7,20 @@ who computes, ``folder.py`` where it is kept, ``whole_sweep.py`` puts these toge
 ``kept_sweep.py`` opens what is there.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from voronec.algebra.lazy_names import load_on_use
 
 if TYPE_CHECKING:
-    from voronec.sweeps.kept_sweep import Sweep
-    from voronec.sweeps.plan import Draws
-    from voronec.sweeps.whole_sweep import sweep
+    from voronec.sweeps.kept_sweep import Sweep as Sweep
+    from voronec.sweeps.plan import Draws as Draws
+    from voronec.sweeps.whole_sweep import sweep as sweep
 
-__all__ = ["Draws", "Sweep", "sweep"]
-
-_HOME = {"kept_sweep": ("Sweep",), "plan": ("Draws",), "whole_sweep": ("sweep",)}
-
-
-def __getattr__(name: str) -> Any:
-    for module, names in _HOME.items():
-        if name in names:
-            return getattr(import_module(f"voronec.sweeps.{module}"), name)
-    raise AttributeError(f"module 'voronec.sweeps' has no attribute '{name}'")
+__all__, __getattr__, __dir__ = load_on_use(
+    __name__,
+    {
+        "kept_sweep": "Sweep",
+        "plan": "Draws",
+        "whole_sweep": "sweep",
+    },
+)

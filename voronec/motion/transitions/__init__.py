@@ -2,9 +2,9 @@
 loop over phases, the guards that stop it, and the choice of integrators.  The transitions load on
 first use: few motions have each of them."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from voronec.algebra.lazy_names import load_on_use
 from voronec.motion.methods import choose
 from voronec.motion.request import Guard
 from voronec.motion.solve import ZENO, Arrival, Phase, Solver, Transition
@@ -19,19 +19,16 @@ if TYPE_CHECKING:
         through_switching_surfaces as through_switching_surfaces,
     )
 
-_HOME = {
-    "through_charts": "charts", "SwitchedIntegrator": "modes", "is_switched": "modes",
-    "through_switching_surfaces": "modes",
-}  # fmt: skip
+_loaded_on_use, __getattr__, _names = load_on_use(
+    __name__,
+    {
+        "charts": "through_charts",
+        "modes": "SwitchedIntegrator is_switched through_switching_surfaces",
+    },
+)
 
 __all__ = [
     "ZENO", "Arrival", "Guard", "Phase", "Solver", "SwitchedIntegrator", "Transition",
     "choose", "is_switched", "quantities", "restart", "through_charts",
     "through_switching_surfaces",
 ]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
