@@ -37,10 +37,17 @@ BALL = "rubber-ball-on-plane"
 
 
 @pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Tab]:
+def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Tab]:
     with browser.tab(tmp_path_factory.mktemp("browser")) as one:
         one.send("Performance.enable", timeDomain="threadTicks")
         yield one
+
+
+@pytest.fixture
+def tab(window: browser.Tab) -> Iterator[browser.Tab]:
+    """A page is left when its test ends: it would draw on while the next motion is integrated."""
+    yield window
+    window.send("Page.navigate", url="about:blank")
 
 
 @cache
