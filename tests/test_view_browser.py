@@ -119,7 +119,7 @@ def test_a_page_is_drawn_and_moves_without_network(
     opened(tab, tmp_path, text)
     assert tab.value("document.documentElement.dataset.webgl") is None
     first, before = int(tab.value("document.documentElement.dataset.drawn")), script(tab)
-    tab.wait(f"document.documentElement.dataset.drawn >= {first + 20}")
+    tab.wait(f"document.documentElement.dataset.drawn >= {first + 10}")
     frames = int(tab.value("document.documentElement.dataset.drawn")) - first
     assert (script(tab) - before) / frames < 5e-3
     early, late = stands_at(tab, 0.0), stands_at(tab, 0.37)
