@@ -24,7 +24,7 @@ OPTIONS = (
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--remote-debugging-pipe",
 )  # fmt: skip
-PATIENCE = 60.0
+PATIENCE = 300.0
 """Seconds to wait for an answer, on a machine with other work."""
 
 

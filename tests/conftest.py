@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+from collections import Counter
 from collections.abc import Callable, Generator
 from contextlib import suppress
 from importlib.util import find_spec
@@ -45,7 +46,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Cases that others show are left out.  Of a table of cases and methods each case goes by one
-    method, and each method has its share of them; those of a ``contract`` go by all of them.
+    method, and each method has its share of them, in the file where a table has fewer cases than
+    methods; those of a ``contract`` go by all of them.
 
     All go with ``--every``, and what is named one by one.
     """
@@ -53,23 +55,24 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     shown = shown_by_others()
     left = {item for item in items if item.nodeid.startswith(shown)}
-    items[:] = [item for item in items if item not in left]
-    if not HEYOKA:
-        config.hook.pytest_deselected(items=[*left])
-        return
     tables: dict[tuple[object, str], list[tuple[pytest.Item, int, tuple[int, ...]]]] = {}
     for item in items:
         if not isinstance(item, pytest.Function) or not hasattr(item, "callspec"):
             continue
         params = dict(item.callspec.params)
-        if "method" in params and not item.get_closest_marker("contract"):
+        if "method" in params and HEYOKA and not item.get_closest_marker("contract"):
             method, case = id(params.pop("method")), tuple(map(id, params.values()))
             tables.setdefault((item.parent, item.originalname), []).append((item, method, case))
-    for table in tables.values():
+    turns = Counter[object]()
+    for (file, _), table in tables.items():
         methods = list(dict.fromkeys(method for _, method, _ in table))
         cases = list(dict.fromkeys(case for _, _, case in table))
         period = min(len(methods), len(cases))
-        left |= {i for i, m, c in table if (methods.index(m) - cases.index(c)) % period}
+        for k, case in enumerate(cases):
+            rows = [i for i, m, c in table if c == case and (methods.index(m) - k) % period == 0]
+            chosen = rows[turns[file] % max(len(rows), 1) :][:1]
+            left |= {i for i, _, c in table if c == case and i not in chosen}
+            turns[file] += 1
     config.hook.pytest_deselected(items=[*left])
     items[:] = [item for item in items if item not in left]
 

@@ -3,8 +3,7 @@
 import pytest
 import sympy as sp
 
-from voronec import kinematics
-from voronec.algebra.symbols import names_in
+from voronec import Fibration, System, kinematics, velocity
 from voronec.errors import DefinitionError
 
 x, y, z = sp.symbols("x y z")
@@ -67,7 +66,10 @@ def test_names_in_shared_parts_are_looked_for_once():
     shared = x
     for _ in range(60):  # 2^60 paths lead to x
         shared = sp.Function("f")(shared, shared)
-    assert names_in(shared) == {x}
+    kinetic = [velocity(q) ** 2 / 2 for q in (x, y)]
+    System("shared", Fibration(base=(x,)), kinetic[0], forces={x: shared})
+    with pytest.raises(DefinitionError, match="the force on 'y' contains 'x', which is neither"):
+        System("shared", Fibration(base=(y,)), kinetic[1], forces={y: shared})
 
 
 def test_what_a_body_asks_for_again_is_made_once():

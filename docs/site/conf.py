@@ -62,7 +62,18 @@ def _copy_mathjax(app: Sphinx, error: Exception | None) -> None:
         shutil.copyfile(source, Path(app.outdir) / "_static" / MATHJAX)
 
 
+def _list_own_branch(*event: Any) -> None:
+    """Beside a page only the branch of the contents that leads to it: all pages beside each of them
+    are a third of the work, and a site that is built to be checked is read by nobody."""
+    context = event[3]
+    if "toctree" in context:
+        contents = context["toctree"]
+        context["toctree"] = lambda **given: contents(**{**given, "collapse": True})
+
+
 def setup(app: Sphinx) -> None:
     """What Sphinx calls first."""
+    if "still" in app.tags:
+        app.connect("html-page-context", _list_own_branch, priority=400)  # before the theme's
     app.connect("autodoc-process-docstring", _plain_formulas)
     app.connect("build-finished", _copy_mathjax)

@@ -285,6 +285,7 @@ def main() -> int:
     options = ["-W", "--keep-going", "-q", "-E", "-j", "auto", "-b", "html"]
     if still:  # then no kernel says in which language the cells are
         options += ["-D", "nb_execution_mode=off", "-D", "suppress_warnings=myst-nb.lexer"]
+        options += ["-t", "still"]
     conf = ["-c", str(DOCS / "site"), "-d", str(PLACE / "doctrees")]
     status = build_main([*options, *conf, str(source), str(site)])
     dead = list(dead_links(site)) if status == 0 else []
