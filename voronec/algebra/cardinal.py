@@ -108,8 +108,10 @@ def _quotient(product: Any) -> Any:
     below = {u: e for u, e in powers.items() if e.is_Number and e < 0}
     for base, exponent in powers.items() if below else ():
         zero = _zero(base) if isinstance(exponent, se.Integer) and exponent > 0 else None
-        for u, e in below.items() if zero else ():
-            argument, order, value = zero
+        if zero is None:
+            continue
+        argument, order, value = zero
+        for u, e in below.items():
             held = _factors(argument).get(u)
             if held is not None and held.is_Number and held > 0:
                 times = min(int(exponent), ceil(abs(e) / (order * held)))
