@@ -76,7 +76,7 @@ class Signs:
 
     ``facts`` are polynomials whose sign hypotheses give, by their text.  ``known`` keeps what was
     found, and at which depth of the search.  Sines and cosines are free numbers unless
-    ``bounded``.
+    ``bounded``.  Generators are above their lower ``bounds``.
     """
 
     ring: Ring
@@ -84,6 +84,7 @@ class Signs:
     known: dict[str, tuple[Sign | None, int]]
     facts: dict[str, tuple[Any, Sign]] = field(default_factory=dict)
     bounded: bool = False
+    bounds: dict[int, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, ring: Ring, hypotheses: Iterable[Any] = (), bounded: bool = False) -> Signs:
@@ -145,12 +146,15 @@ class Signs:
         self.known.clear()
 
     def _note_bound(self, poly: Any, place: int, sign: Sign) -> None:
-        """A generator above a positive number is positive, one below a negative one negative."""
+        """A generator above a positive number is positive, one below a negative one negative; of
+        one that is above a number this is kept."""
         slope = poly.leading_coefficient()
         bound = (slope * self.ring.field.gens[place] - poly).leading_coefficient() / slope
         side = sign.value if slope > 0 else -sign.value
         if side * bound > 0:
             self.kinds[place] = _KINDS[side][1]
+        if side > 0 and sign.strict:
+            self.bounds[place] = bound
 
     def of_fraction(self, fraction: Fraction) -> Sign | None:
         """The sign of a fraction wherever it is defined."""
@@ -249,8 +253,7 @@ class Signs:
 
     def _above_bounds(self, poly: Any) -> Sign | None:
         """All terms have one sign, written in how far generators are above their lower bounds."""
-        bounds = dict(self._lower_bounds())
-        bounds = {place: low for place, low in bounds.items() if poly.degrees()[place]}
+        bounds = {place: low for place, low in self.bounds.items() if poly.degrees()[place]}
         if not bounds or len(poly) > _FEW:
             return None
         gens = self.ring.field.gens
@@ -260,17 +263,6 @@ class Signs:
         found = signs._of_terms(moved)
         above = ", ".join(f"{self.ring.meaning[i]} > {low}" for i, low in bounds.items())
         return None if found is None else replace(found, reason=f"{found.reason}, where {above}")
-
-    def _lower_bounds(self) -> Iterator[tuple[int, Any]]:
-        """(place, number) for each generator that is above a number by hypothesis."""
-        for fact, known in self.facts.values():
-            places = self._generators_of(fact)
-            if len(fact) != 2 or len(places) != 1 or fact.total_degree() != 1 or not known.strict:
-                continue
-            slope = fact.leading_coefficient()
-            if known.value * slope > 0:
-                gen = self.ring.field.gens[places[0]]
-                yield places[0], (slope * gen - fact).leading_coefficient() / slope
 
     def _at_ends(self, poly: Any, depth: int) -> Sign | None:
         """Linear in a sine or a cosine between -1 and 1, or in its square: the signs at the ends
@@ -432,8 +424,6 @@ class Signs:
 
 def _sign_of_argument(argument: Any, hypotheses: Sequence[Any]) -> int:
     """The strict sign of what an exponential is taken of, or 0."""
-    from voronec.algebra.ring import Ring
-
     own = argument.free_symbols
     known = [
         c for c in split_hypotheses(hypotheses)[1] if c.free_symbols <= own and _is_plain(c.args)

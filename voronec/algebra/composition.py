@@ -17,7 +17,7 @@ import flint
 import symengine as se
 
 from voronec.algebra.certificates import Sign, Signs
-from voronec.algebra.conditions import split_hypotheses
+from voronec.algebra.conditions import as_rational, split_hypotheses
 from voronec.algebra.factors import fraction_factors
 from voronec.algebra.generators import TRIGONOMETRIC, linear_terms, prime_factors
 from voronec.algebra.graphs import is_atom, is_flat, nodes
@@ -438,7 +438,7 @@ def _coordinates(vectors: Sequence[dict[Any, Any]]) -> Iterator[list[Any]]:
     """Rows of coordinates of vectors, in a basis of some of them, the shortest first; in the terms
     themselves where there are no more of these."""
     names = [*dict.fromkeys(k for v in vectors for k in v)]
-    rows = [[_rational(v.get(k, 0)) for v in vectors] for k in names]
+    rows = [[as_rational(se.sympify(v.get(k, 0))) for v in vectors] for k in names]
     if not names:
         return
     order = sorted(range(len(vectors)), key=lambda i: len(vectors[i]))
@@ -450,11 +450,6 @@ def _coordinates(vectors: Sequence[dict[Any, Any]]) -> Iterator[list[Any]]:
     back = sorted(range(len(order)), key=order.__getitem__)
     for i in range(rank):
         yield [reduced[i, j] for j in back]
-
-
-def _rational(number: Any) -> Any:
-    number = se.sympify(number)
-    return flint.fmpq(int(number.p), int(number.q))
 
 
 def _with_angles(expr: Any, at: dict[Any, tuple[Any, Any]], known: dict[Any, Any]) -> Any:

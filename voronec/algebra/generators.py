@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import lcm, prod
+from math import lcm
 from typing import Any
 
 import flint
@@ -17,7 +17,7 @@ import symengine as se
 
 from voronec.algebra.exponents import DEGREE, ExponentBasis
 from voronec.algebra.graphs import is_atom, is_flat, nodes
-from voronec.algebra.terms import is_fraction, summands
+from voronec.algebra.terms import is_fraction, spread_length, summands
 from voronec.errors import EngineLimit
 
 TRIGONOMETRIC = (se.sin, se.cos, se.tan, se.cot, se.sec, se.csc)
@@ -33,21 +33,9 @@ FOLDS = 6
 and its terms cancel: two digits are lost at n = 6, twelve at n = 33."""
 
 
-def _expanded_size(expr: Any) -> float:
-    """A bound for the number of terms of an expanded expression."""
-    if isinstance(expr, se.Add):
-        return sum(_expanded_size(a) for a in expr.args)
-    if isinstance(expr, se.Mul):
-        return prod(_expanded_size(a) for a in expr.args)
-    if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and expr.args[1] > 0:
-        terms, n = _expanded_size(expr.args[0]), int(expr.args[1])
-        return float(terms) ** min(n, 60) if terms > 1 else 1
-    return 1
-
-
 def linear_terms(expr: Any) -> dict[Any, Any]:
     """An expression as a sum of rational multiples: ``{term without coefficient: coefficient}``."""
-    if _expanded_size(expr) > EXPANSION_LIMIT:
+    if spread_length(expr, EXPANSION_LIMIT) > EXPANSION_LIMIT:
         raise EngineLimit("the argument of a function is too large to be expanded")
     expr = expr.expand()
     terms: dict[Any, Any] = {}

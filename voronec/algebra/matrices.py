@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import symengine as se
@@ -12,6 +12,14 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.tape import Tape
 from voronec.errors import EngineLimit
+
+
+def change_entries(
+    change: Callable[[Sequence[Any]], Iterable[Any]], rows: Sequence[Sequence[Any]]
+) -> list[list[Any]]:
+    """Rows with all of their entries changed together, as normal forms take them."""
+    flat = iter(change([e for row in rows for e in row]) if rows else ())
+    return [[next(flat) for _ in row] for row in rows]
 
 
 def dot(one: Sequence[Any], other: Sequence[Any]) -> Any:

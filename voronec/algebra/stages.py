@@ -34,7 +34,7 @@ from voronec.algebra.points import sample_evaluable
 from voronec.algebra.precision import GENERIC
 from voronec.algebra.ring import Ring
 from voronec.algebra.tape import Tape
-from voronec.algebra.terms import factors_of, summands
+from voronec.algebra.terms import spread_length
 from voronec.errors import EngineLimit
 
 WIDEST = 60
@@ -275,9 +275,10 @@ class Cyclic:
         for _ in range(DEPTH):
             held = [w for w in expr.free_symbols if w in inner and q in self.support[w]]
             inside = {w: inner[w] for w in held}
-            if not inside or _terms(expr, inside) > SIZE:
+            opened = expr.xreplace(inside)
+            if not inside or spread_length(opened, SIZE) > SIZE:
                 break
-            expr = se.expand(expr.xreplace(inside))
+            expr = se.expand(opened)
             yield expr
 
     def _slope(self, expr: Any, q: Any, stages: Stages) -> Any:
@@ -310,19 +311,6 @@ def _is_zero(expr: Any, work: int) -> bool:
         return bool(Ring([expr], (), work).fraction(expr).num == 0)
     except (EngineLimit, ZeroDivisionError):
         return False
-
-
-def _terms(expr: Any, inside: Mapping[Any, Any]) -> int:
-    """How many terms a sum has at most, once stages are opened and everything is expanded."""
-    total = 0
-    for term in summands(expr):
-        count = 1
-        for factor in factors_of(term):
-            base, power = factor.args if isinstance(factor, se.Pow) else (factor, se.Integer(1))
-            if base in inside and isinstance(inside[base], se.Add):
-                count *= len(inside[base].args) ** min(abs(int(float(power))) or 1, 9)
-        total += count
-    return total
 
 
 ZERO, ONE = se.Integer(0), se.Integer(1)

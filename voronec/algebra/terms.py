@@ -58,14 +58,14 @@ MOST_TERMS = 2000
 def expand_short(expr: Any) -> Any:
     """Products of sums written out, in functions too, where that does not make too many terms; else
     the expression as it is."""
-    return expr.expand() if _spread_length(expr, MOST_TERMS) <= MOST_TERMS else expr
+    return expr.expand() if spread_length(expr, MOST_TERMS) <= MOST_TERMS else expr
 
 
-def _spread_length(expr: Any, most: float) -> float:
+def spread_length(expr: Any, most: float) -> float:
     """About how many terms there are with products of sums written out, and in functions."""
     total, product = 0.0, 1.0
     for arg in expr.args:
-        length = _spread_length(arg, most)
+        length = spread_length(arg, most)
         total, product = total + length, product * length
         if total > most:
             return inf

@@ -29,7 +29,7 @@ from voronec.algebra.branches import Branches, has_branches
 from voronec.algebra.elimination import solve_linear
 from voronec.algebra.graphs import nodes
 from voronec.algebra.jets import Expansion, FieldJet, Span
-from voronec.algebra.matrices import determinant
+from voronec.algebra.matrices import change_entries, determinant
 from voronec.algebra.normal import canonical
 from voronec.algebra.precision import BRACKETS
 from voronec.algebra.rank import generic_rows
@@ -502,16 +502,13 @@ def control_form(equations: DerivedEquations) -> Control:
     solved = (
         solve_linear(field.mass, columns, field.hypotheses, near=near).values if columns else []
     )
-    width = len(letters) + 1
-    flat = [e for row in solved for e in row]
     with suppress(EngineLimit):
-        flat = equations.exact.polish(flat)
-    pushed = [flat[i : i + width] for i in range(0, len(flat), width)]
+        solved = change_entries(equations.exact.polish, solved)
     fields = tuple(
-        (*(row[k] for row in forms.matrix[:first]), *(row[k] for row in pushed))
+        (*(row[k] for row in forms.matrix[:first]), *(row[k] for row in solved))
         for k in range(len(letters))
     )
-    drift = (*forms.offset[:first], *(row[-1] for row in pushed))
+    drift = (*forms.offset[:first], *(row[-1] for row in solved))
     return Control(field, system.inputs, drift, fields, equations)
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import symengine as se
 
+from voronec.algebra.matrices import change_entries
 from voronec.algebra.normal import Budget, canonical, shortest
 from voronec.algebra.shape import operations
 from voronec.algebra.terms import subexpressions
@@ -127,11 +128,8 @@ class Derivation:
     def fibre(self) -> FibreSolution:
         """sdot = S rdot + s0."""
         d = self.definition
-        width = d.base
-        flat = self.tidy([e for row in d.fibre.matrix for e in row] + list(d.fibre.offset))
-        count = len(d.fibre.matrix)
-        rows = tuple(tuple(flat[i * width : (i + 1) * width]) for i in range(count))
-        return FibreSolution(rows, tuple(flat[count * width :]))
+        *rows, offset = change_entries(self.tidy, [*d.fibre.matrix, d.fibre.offset])
+        return FibreSolution(tuple(map(tuple, rows)), tuple(offset))
 
     @cached_property
     def connection(self) -> EhresmannConnection:
@@ -148,7 +146,7 @@ class Derivation:
     def _connect(self, framed: bool) -> EhresmannConnection:
         d = self.definition
         if framed:
-            lift = self._tidy_rows(self._framed_lift)
+            lift = change_entries(self.tidy, self._framed_lift)
         else:
             lift = coordinate_lift(self.fibre, d.base)
         connection = EhresmannConnection(
@@ -171,10 +169,6 @@ class Derivation:
             )
         return connection
 
-    def _tidy_rows(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
-        flat = iter(self.tidy([e for row in rows for e in row]))
-        return [[next(flat) for _ in row] for row in rows]
-
     @cached_property
     def _framed_lift(self) -> list[list[Any]]:
         """The lift as constraints and definitions of velocities were solved for it."""
@@ -191,9 +185,7 @@ class Derivation:
         d = self.definition
         if d.frame is None:
             return [row[:-1] for row in coordinate_lift(self.fibre, d.base)[: d.base]]
-        rows = dual_rows(d.frame, self.fibre, d.base)
-        flat = self.tidy([e for row in rows for e in row])
-        return [flat[k * d.base : (k + 1) * d.base] for k in range(len(rows))]
+        return change_entries(self.tidy, dual_rows(d.frame, self.fibre, d.base))
 
     @cached_property
     def dot_rates(self) -> list[Any]:

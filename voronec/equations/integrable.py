@@ -9,6 +9,7 @@ basis the constraints are written in; they have integrals by the theorem of Frob
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import combinations, product
 from typing import Any
 
@@ -16,7 +17,7 @@ import symengine as se
 import sympy as sp
 
 from voronec.algebra.elimination import null_vectors
-from voronec.algebra.matrices import dot
+from voronec.algebra.matrices import change_entries, dot
 from voronec.algebra.normal import shortest, without_denominators
 from voronec.algebra.rank import generic_rows
 from voronec.algebra.shape import operations
@@ -133,8 +134,7 @@ def _enlargement(known: Rows, rows: Rows, relations: Sequence[Any]) -> Rows:
 
 
 def _shortest(rows: Rows, relations: Sequence[Any]) -> Rows:
-    flat = iter(shortest([e for row in rows for e in row], relations) if rows else ())
-    return [[next(flat) for _ in row] for row in rows]
+    return change_entries(partial(shortest, relations=relations), rows)
 
 
 def _is_closed(row: list[Any], variables: Sequence[Any], relations: Sequence[Any]) -> bool:

@@ -7,9 +7,8 @@ from typing import Any
 
 from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.dialect import (
-    CARDINAL,
     FUNCTIONS,
-    SLOPES,
+    QUOTIENTS,
     Dialect,
     decimal,
     fits,
@@ -63,8 +62,7 @@ C_DIALECT = Dialect(
     | {"Abs": "fabs", "power": "pow", "sign": "sign_of"}
     | {numeric.EXPM1: "expm1", numeric.LOG1P: "log1p", numeric.HYPOT: "hypot", numeric.SIZE: "fabs"}
     | {numeric.CHOICE: "choice_of", numeric.CASE: "case_of"}
-    | {name: f"{word}_of" for name, (word, _) in CARDINAL.items()}
-    | {name: word for name, (word, _) in SLOPES.items()},
+    | {name: word for name, (word, _) in QUOTIENTS.items()},
 )
 
 
@@ -91,13 +89,12 @@ def c_source(program: Program, slopes: bool = False) -> str:
 def conditional_quotients(body: str, size: str) -> Iterator[tuple[str, str]]:
     """The functions sin(x)/x and the like that a source calls, and their values as C and JavaScript
     write them; ``size`` is their word for |x|."""
-    for word, above in CARDINAL.values():
-        if f"{word}_of(" in body:
-            yield f"{word}_of", f"x == 0.0 ? 1.0 : {above}(x)/x"
-    for name, (word, above) in SLOPES.items():
+    for name, (word, above) in QUOTIENTS.items():
         if f"{word}(" in body:
-            quotient = numeric.QUOTIENTS[name]
-            near, below = f"{size}(x) < {numeric.REACH}", "*".join("x" * quotient.power)
+            near, below = (
+                f"{size}(x) < {numeric.REACH}",
+                "*".join("x" * numeric.QUOTIENTS[name].power),
+            )
             yield word, f"{near} ? {series(name)} : ({above})/({below})"
 
 

@@ -30,11 +30,8 @@ _BY_OTHERS: dict[type, Callable[[Any], Any]] = {
     se.acot: lambda x: se.atan(1 / x),
     se.coth: lambda x: 1 / se.tanh(x),
 }
-CARDINAL = {
-    numeric.SINC: ("sinc", "sin"),
-}
-"""Quotients such as sin(x)/x: a word, and the function that is divided by its argument."""
-SLOPES = {
+QUOTIENTS = {
+    numeric.SINC: ("sinc", "sin(x)"),
     numeric.SINC_SLOPE: ("sinc_slope", "sin(x) - x*cos(x)"),
 }
 """Quotients that cancel near zero, where doubles take their ``series``: a word, what is divided."""

@@ -17,9 +17,8 @@ import numpy as np
 
 from voronec.algebra import numeric_functions as numeric
 from voronec.equations.program.dialect import (
-    CARDINAL,
     FUNCTIONS,
-    SLOPES,
+    QUOTIENTS,
     Dialect,
     decimal,
     execute,
@@ -37,18 +36,20 @@ Function = Callable[[Any, Any, Any], list[Any]]
 """``f(t, state, parameters)``."""
 
 _ARGUMENTS = ("t", "state", "parameters", "inputs")
-_NUMERIC = {name: word for name, (word, _) in (CARDINAL | SLOPES).items()}
+_NUMERIC = {name: word for name, (word, _) in QUOTIENTS.items()}
 _NUMERIC |= {numeric.EXPM1: "expm1", numeric.LOG1P: "log1p"}
 _NUMERIC |= {numeric.HYPOT: "hypot", numeric.SIZE: "fabs"}
 _NUMERIC |= {numeric.CHOICE: "choice", numeric.CASE: "case"}
-_QUOTIENTS = dict(CARDINAL.values())
 _CHOICES = {"numpy": "where", "jax.numpy": "where", "casadi": "if_else"}
 _SIZES = {"numpy": "abs", "jax.numpy": "abs", "casadi": "fabs"}
 """Libraries where both ways of a choice are computed, and how they write it, and |x|."""
 _COLUMNS = ("vertsplit", "vertcat", "horzcat", "array")
 _HELPERS = ("expm1 where multiply if_else fabs exp sin cos sinh cosh hyp0f1 errstate").split()
-_IN_DIGITS = {numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3"}
-"""The slope of sin(x)/x by a hypergeometric function, which mpmath has in any precision."""
+_IN_DIGITS = {
+    numeric.SINC: "hyp0f1(mpf(3)/2, -x*x/4)",
+    numeric.SINC_SLOPE: "hyp0f1(mpf(5)/2, -x*x/4)/3",
+}
+"""Quotients by hypergeometric functions, which mpmath has in any precision."""
 _NUMPY = {f: f.replace("a", "arc", 1) if f[0] == "a" else f for f in FUNCTIONS} | _NUMERIC
 _NUMPY |= {"Abs": "absolute", numeric.SIZE: "absolute"}
 _PLAIN = {f: f for f in FUNCTIONS} | {"Abs": "fabs"} | _NUMERIC
@@ -203,8 +204,8 @@ def _module(program: Program, flavour: _Flavour, alike: bool = False, slopes: bo
 def _with_imports(parts: Sequence[str], flavour: _Flavour) -> str:
     """Functions, and before them the imports of what they call."""
     dialect, body = flavour.dialect, "\n\n".join(parts)
-    words = {*dialect.words.values(), "mpf", *_HELPERS, *_COLUMNS} - _QUOTIENTS.keys()
-    words -= {"choice", "case", *(word for word, _ in SLOPES.values())}
+    words = {*dialect.words.values(), "mpf", *_HELPERS, *_COLUMNS}
+    words -= {"choice", "case", *(word for word, _ in QUOTIENTS.values())}
     used = sorted(words & _called_names(body))
     used += ["pi"] if re.search(r"\bpi\b", body) else []
     used = [w for w in used if (flavour.library, w) != ("math", "sign")]
@@ -232,21 +233,13 @@ def _helpers(body: str, library: str) -> list[str]:
             value += "[()]" if library == "numpy" else ""  # a float is to stay one
             meaning = f"p for w > 0, n for w < 0, {between} for w = 0"
             rows.append(_helper(word, meaning, f"return {value}", given=given))
-    # where JAX differentiates, a value at zero alone would have no slope
-    traced = library == "jax.numpy"
-    for word, above in _QUOTIENTS.items():
-        if word in called and not traced:
-            value = f"{above}(x)/x if x else x + 1"
-            if choice := _CHOICES.get(library):
-                value = f"{choice}(x == 0, 1.0, {above}(x)/{choice}(x == 0, 1.0, x))"
-            rows.append(_helper(word, f"{above}(x)/x", f"return {value}"))
-    cancelling = SLOPES | ({n: (w, f"{f}(x)") for n, (w, f) in CARDINAL.items()} if traced else {})
-    for name, (word, above) in cancelling.items():
+    for name, (word, above) in QUOTIENTS.items():
         if word in called:
             power, reach = numeric.QUOTIENTS[name].power, numeric.REACH
-            steps = [f"return {_IN_DIGITS.get(name)}"]
+            quotient = f"({above})/({'*'.join('x' * power)})"
+            steps = [f"return {_IN_DIGITS[name]}"]
             if library == "math":
-                steps = [f"return {series(name)} if abs(x) < {reach} else ({above})/x**{power}"]
+                steps = [f"return {series(name)} if abs(x) < {reach} else {quotient}"]
             elif choice := _CHOICES.get(library):
                 steps = [
                     f"near = {_SIZES[library]}(x) < {reach}",
@@ -254,7 +247,7 @@ def _helpers(body: str, library: str) -> list[str]:
                     f"far = ({above})/{choice}(near, 1.0, x)**{power}",
                     f"return {choice}(near, {series(name, 'y')}, far)",
                 ]
-            rows.append(_helper(word, f"({above})/x**{power}", *steps))
+            rows.append(_helper(word, quotient, *steps))
     return rows
 
 

@@ -36,10 +36,6 @@ to come, and a step as long as it allows would go over all of it."""
 FLAT = 0.59
 """tanh w is flat to a tolerance tol where |w| is greater than so many times -log(tol), which is
 (1 + 0.6 log(e/2))/2, rounded: the order of a series is 0.6 times -log(tol)."""
-HIGH = 15
-"""Lower powers are seen by the series of every tolerance in use."""
-GRID = 2**20
-"""Places of switching surfaces are multiples of one part in so many."""
 LITTLE = 1e-6
 """A number beside squares is seen from far where it is larger than this part of their largest."""
 LONG = 100
@@ -76,8 +72,7 @@ class Sides:
     alone make none. Of radicands that are ``cusps`` the absolute value is taken.  tanh w is the
     same on all sides of its switching surfaces, |w| = ``saturated``, and half of that, within which
     squares of 1 - |tanh w| are not flat either; they keep a step from going over it.  So are
-    cosh w, sinh w and exp 2 w, a root whose corner a constant rounds, and a high power, which is
-    flat about its zero.
+    cosh w, sinh w and exp 2 w, and a root whose corner a constant rounds.
     """
 
     side: Callable[[Switch], int]
@@ -115,8 +110,6 @@ class Sides:
             self._watch(args[1] / 2)
         elif isinstance(expr, se.Pow) and _is_root(expr):
             self._watch_rounding(args[0])
-        elif _is_high_power(expr) and expr.args[1] > self.saturated / (2 * FLAT):
-            self._watch_power(args[0], int(expr.args[1]))
         return expr if args == list(expr.args) else expr.func(*args)
 
     def _watch(self, argument: Any) -> None:
@@ -124,16 +117,6 @@ class Sides:
             for end in (self.saturated, self.saturated / 2):
                 self._side(argument - end)
                 self._side(argument + end)
-
-    def _watch_power(self, base: Any, degree: int) -> None:
-        """The places where a power is as small as the tolerance, and as its square: its series at
-        zero has no term up to the order of a step."""
-        if not base.free_symbols <= self.still:
-            for depth in (1, 2):
-                size = exp(-depth * float(self.saturated) / (FLAT * degree))
-                end = se.Rational(round(size * GRID), GRID)
-                self._side(base - end)
-                self._side(base + end)
 
     def _watch_rounding(self, radicand: Any) -> None:
         """The place where the squares in a radicand are 1/sqrt(tol) times its constant: beyond, a
@@ -237,10 +220,6 @@ def _is_unbounded_square(term: Any) -> bool:
     )
 
 
-def _is_high_power(expr: Any) -> bool:
-    return isinstance(expr, se.Pow) and expr.args[1].is_Integer and expr.args[1] >= HIGH
-
-
 def _is_root(power: Any) -> bool:
     return isinstance(power.args[1], se.Rational) and power.args[1].q != 1
 
@@ -264,11 +243,7 @@ def is_rough(
         node = node if plain is None else plain
         if isinstance(node, _CORNERS) or (steep and isinstance(node, _STEEP)):
             return True
-        if (
-            steep
-            and (is_exponential(node) or _is_high_power(node))
-            and not node.free_symbols <= fixed
-        ):
+        if steep and is_exponential(node) and not node.free_symbols <= fixed:
             return True
         if isinstance(node, se.Pow) and _is_root(node):
             base, exponent = node.args
