@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 from collections import Counter
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +14,6 @@ os.environ.setdefault("SYMPY_CACHE_SIZE", "50000")  # what one test asked SymPy 
 
 import pytest
 from command_line import Answer, Call
-from tool_modules import tool
 
 from voronec.cli import OBJECTS, main
 from voronec.errors import DefinitionError
@@ -114,32 +113,12 @@ def call(
     monkeypatch.setenv("COLUMNS", "100")
 
     def command(*words: str) -> Answer:
-        return _answer(capsys, lambda: main(words))
+        capsys.readouterr()
+        try:
+            status = main(words)
+        except SystemExit as end:  # argparse
+            status = int(str(end.code))
+        said = capsys.readouterr()
+        return Answer(status, said.out, said.err)
 
     return command
-
-
-@pytest.fixture
-def bench(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Call:
-    """Call ``tools/bench.py`` with words, as ``call`` calls ``voronec``."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-    script = tool("bench")
-
-    def command(*words: str) -> Answer:
-        monkeypatch.setattr("sys.argv", ["bench.py", *words])
-        return _answer(capsys, lambda: script.run(script.__doc__, script.KINDS))
-
-    return command
-
-
-def _answer(capsys: pytest.CaptureFixture[str], execute: Callable[[], int]) -> Answer:
-    capsys.readouterr()
-    try:
-        status = execute()
-    except SystemExit as end:  # argparse
-        status = int(str(end.code))
-    said = capsys.readouterr()
-    return Answer(status, said.out, said.err)

@@ -163,6 +163,9 @@ def test_the_package_holds_no_way_to_run_text():
         "declaration/plugin_files.py",
         "equations/program/dialect.py",
         "motion/steppers/kept_code.py",
+        "accuracy/bench/peers/hand_programs.py",
+        "accuracy/bench/agreement.py",
+        "accuracy/bench/peers/numba_dop853.py",
     }
     found = set()
     for file in sorted((ROOT / "voronec").rglob("*.py")):

@@ -16,14 +16,15 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
+from voronec.accuracy import bench
+from voronec.accuracy import reference as references
+from voronec.accuracy.bench import OWN, Contender, Measured, NotHere, Outcome, Point
+from voronec.accuracy.bench.work_precision_picture import plot_work_precision
+from voronec.accuracy.problem import formulation
+from voronec.accuracy.solution import agreement
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
 
-bench, references = tool("accuracy"), tool("accuracy.reference")
-OWN, Contender, Measured, NotHere = bench.OWN, bench.Contender, bench.Measured, bench.NotHere
-Outcome, Point = bench.Outcome, bench.Point
-plot_work_precision = tool("accuracy.work_precision_picture").plot_work_precision
-formulation, agreement = tool("accuracy.problem").formulation, tool("accuracy.solution").agreement
 peers = tool("figures.peers")
 mujoco_ball = tool("figures.mujoco_ball")
 numba_dop853 = tool("figures.numba_dop853")

@@ -1,4 +1,4 @@
-"""``tools/bench.py methods``: what it prints and writes, its statuses, its refusals."""
+"""``voronec bench``: what it prints and writes, its statuses, its refusals."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import Answer, Call
+from command_line import Call, refused
 from tool_modules import tool
 
 import voronec as vo
-
-call_time, methods = tool("accuracy.call_time"), tool("figures.methods")
+from voronec.accuracy.bench import scene_problem
+from voronec.accuracy.bench.call_time import OTHER, STAGES
 
 pytestmark = pytest.mark.slow
 
@@ -39,25 +39,17 @@ QUICK = ("--methods", "scipy,lsoda", "--tols", "1e-5,1e-9")
 @pytest.fixture(autouse=True)
 def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Set-up is measured in fresh processes, which other tests start."""
-    monkeypatch.setattr(methods, "measure_setup", lambda *_, **__: None)
-
-
-def refused(answer: Answer) -> str:
-    """The one line of a refusal, after which nothing is written."""
-    assert answer.status == 2 and answer.out == "" and "Traceback" not in answer.err
-    assert {p.suffix for p in Path().iterdir()} <= {".py"}
-    (line,) = answer.err.splitlines()
-    return line
+    monkeypatch.setattr("voronec.accuracy.bench.measure_setup", lambda *_, **__: None)
 
 
 @pytest.fixture
-def spring(bench: Call) -> str:
+def spring(call: Call) -> str:
     Path("spring.py").write_text(FILE)
     return "spring.py"
 
 
-def test_a_table_a_record_and_a_plot_are_written(bench: Call, spring: str) -> None:
-    answer = bench("methods", spring, *QUICK)
+def test_a_table_a_record_and_a_plot_are_written(call: Call, spring: str) -> None:
+    answer = call("bench", spring, *QUICK)
     assert answer.status == 0 and answer.err == ""
     lines = answer.out.splitlines()
     assert lines[0] == "spring, scene default: t from 0 to 4, 101 instants"
@@ -75,9 +67,9 @@ def test_a_table_a_record_and_a_plot_are_written(bench: Call, spring: str) -> No
     assert "<svg" in (folder / "work-precision.svg").read_text()
 
 
-def test_json_is_the_record_that_is_written(bench: Call, spring: str) -> None:
+def test_json_is_the_record_that_is_written(call: Call, spring: str) -> None:
     words = ("--time", "1/2", "--set", "k=4", "--outputs", "q", "--out", "there", "--json")
-    data = json.loads(bench("methods", spring, *QUICK, *words).out)
+    data = json.loads(call("bench", spring, *QUICK, *words).out)
     assert data.pop("files") == [f"there/{n}" for n in ("bench.json", "bench.txt",
                                                        "work-precision.svg")]  # fmt: skip
     assert data == json.loads(Path("there/bench.json").read_text())
@@ -87,8 +79,8 @@ def test_json_is_the_record_that_is_written(bench: Call, spring: str) -> None:
     assert data["reference"]["accuracy"] < 1e-13
 
 
-def test_what_did_not_take_part_is_named(bench: Call, spring: str) -> None:
-    answer = bench("methods", spring, "--methods", "scipy,closed-form", "--tols", "1e-6")
+def test_what_did_not_take_part_is_named(call: Call, spring: str) -> None:
+    answer = call("bench", spring, "--methods", "scipy,closed-form", "--tols", "1e-6")
     lines = answer.out.splitlines()
     assert answer.status == 0 and "did not take part:" in lines
     assert any("closed-form  system 'spring' declares no motion in closed" in x for x in lines)
@@ -102,14 +94,14 @@ def _integrate_fails(monkeypatch: pytest.MonkeyPatch, when: Any, error: BaseExce
             raise error
         return vo.integrate(*words, **named)
 
-    monkeypatch.setattr("accuracy.runs.integrate", failing)
+    monkeypatch.setattr("voronec.accuracy.bench.runs.integrate", failing)
 
 
 def test_ctrl_c_writes_what_is_measured(
-    bench: Call, spring: str, monkeypatch: pytest.MonkeyPatch
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _integrate_fails(monkeypatch, "lsoda".__eq__, KeyboardInterrupt())
-    answer = bench("methods", spring, "--methods", "scipy,lsoda,flint")
+    answer = call("bench", spring, "--methods", "scipy,lsoda,flint")
     assert answer.status == 130
     assert "stopped by hand; what was measured until then is above" in answer.out
     data = json.loads(Path("spring-bench/bench.json").read_text())
@@ -117,10 +109,10 @@ def test_ctrl_c_writes_what_is_measured(
 
 
 def test_where_nothing_runs_there_is_a_table_all_the_same(
-    bench: Call, spring: str, monkeypatch: pytest.MonkeyPatch
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _integrate_fails(monkeypatch, "scipy".__eq__, vo.IntegrationError("it broke"))
-    answer = bench("methods", spring, "--methods", "scipy", "--tols", "1e-6")
+    answer = call("bench", spring, "--methods", "scipy", "--tols", "1e-6")
     assert answer.status == 0
     assert "scipy at 1e-06 failed: it broke" in answer.out.splitlines()
     assert not Path("spring-bench/work-precision.svg").exists()
@@ -142,30 +134,35 @@ def test_where_nothing_runs_there_is_a_table_all_the_same(
     ],
 )
 def test_wrong_words_are_refused_in_one_line(
-    bench: Call, spring: str, words: tuple[str, ...], message: str
+    call: Call, spring: str, words: tuple[str, ...], message: str
 ) -> None:
-    assert message in refused(bench("methods", spring, *words))
+    assert message in refused(call("bench", spring, *words))
 
 
-def test_peers_are_measured_beside_ours(bench: Call, spring: str) -> None:
+def test_peers_are_measured_beside_ours_by_a_tool_alone(
+    call: Call, spring: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     peer = "dop853-lambdify-coordinates"
-    words = ("--methods", f"scipy,{peer},mujoco-best", "--tols", "1e-9")
-    lines = bench("methods", spring, *words).out.splitlines()
+    assert f"there is no method '{peer}'" in refused(call("bench", spring, "--methods", peer))
+    words = ["bench.py", spring, "--methods", "scipy", peer, "mujoco-best", "--tols", "1e-9"]
+    monkeypatch.setattr("sys.argv", words)
+    assert tool("figures.methods").main() == 0
+    lines = capsys.readouterr().out.splitlines()
     rows = {line.split()[0]: line.split() for line in lines if line.split()[1:2] == ["1e-09"]}
     assert {"scipy", peer} <= {*rows} and float(rows[peer][2]) < 1e-6
     assert "  mujoco-best  only for a ball on a plane: chaplygin-ball, homogeneous-ball" in lines
 
 
-def test_stages_of_calls_are_told_apart(bench: Call, spring: str) -> None:
+def test_stages_of_calls_are_told_apart(call: Call, spring: str) -> None:
     if not hasattr(signal, "setitimer"):
         pytest.skip("no clock of the processor here")
-    answer = bench("methods", spring, "--setup", "--json")
+    answer = call("bench", spring, "--setup", "--json")
     assert answer.status == 0 and answer.err == ""
     seconds = json.loads(answer.out)["seconds"]
-    assert seconds["first ever"].keys() <= {*call_time.STAGES, call_time.OTHER}
-    order = [*call_time.STAGES]  # the first that fits counts
+    assert seconds["first ever"].keys() <= {*STAGES, OTHER}
+    order = [*STAGES]  # the first that fits counts
     assert order.index("elimination") < order.index("code") < order.index("derivation")
-    assert all(seconds[kind]["import"] > 0 for kind in ("first ever", "first in a process"))
+    assert all(seconds[call]["import"] > 0 for call in ("first ever", "first in a process"))
     # a name taken from a package asks Python's importer, even where nothing is loaded any more
     loading = seconds["second"].get("import", 0.0)
     assert loading < seconds["first in a process"]["import"] / 20
@@ -173,8 +170,8 @@ def test_stages_of_calls_are_told_apart(bench: Call, spring: str) -> None:
     assert not Path("spring-bench").exists()
 
 
-def test_a_call_that_fails_says_why(bench: Call, spring: str) -> None:
-    answer = bench("methods", spring, "--setup", "--scene", "nope")
+def test_a_call_that_fails_says_why(call: Call, spring: str) -> None:
+    answer = call("bench", spring, "--setup", "--scene", "nope")
     assert answer.status == 2 and "has no scene 'nope'" in answer.err
     assert "DefinitionError" not in answer.err and answer.err.count("\n") == 1
 
@@ -194,21 +191,21 @@ inputs = { u = { times = [0, 1], values = [3, 3], kind = "held" } }
 """
 
 
-def test_inputs_are_given_to_every_method(bench: Call) -> None:
+def test_inputs_are_given_to_every_method(call: Call) -> None:
     Path("pushed.toml").write_text(PUSHED)
-    answer = bench("methods", "pushed.toml", *QUICK, "--input", "u=6*t", "--json")
+    answer = call("bench", "pushed.toml", *QUICK, "--input", "u=6*t", "--json")
     assert answer.status == 0 and answer.err == ""
     for method in json.loads(answer.out)["methods"]:
         assert method["points"][-1]["error"] < 1e-8
-    end = tool("accuracy").scene_problem(vo.load("pushed.toml"), None, ("x",), inputs={"u": "6*t"})
+    end = scene_problem(vo.load("pushed.toml"), None, ("x",), inputs={"u": "6*t"})
     run = vo.integrate(end.equations, end.bare, times=end.grid)
     assert abs(run["x"][-1] - 2) < 1e-12  # 1 + t^3
 
 
-def test_tables_are_not_for_a_comparison_of_methods(bench: Call) -> None:
+def test_tables_are_not_for_a_comparison_of_methods(call: Call) -> None:
     Path("pushed.toml").write_text(PUSHED)
-    answer = bench("methods", "pushed.toml")
+    answer = call("bench", "pushed.toml")
     assert answer.status == 2 and "takes numbers and expressions of t for inputs" in answer.err
     Path("u.csv").write_text("0,1\n1,2\n")
-    answer = bench("methods", "pushed.toml", "--input", "u=u.csv")
+    answer = call("bench", "pushed.toml", "--input", "u=u.csv")
     assert answer.status == 2 and "--input u: most methods take no table" in answer.err

@@ -5,9 +5,10 @@ import pytest
 from tool_modules import tool
 
 import voronec as vo
+from voronec.accuracy import reference as references
+from voronec.accuracy.bench import measure, scene_problem
 
-accuracy, hard, references = tool("accuracy"), tool("hard"), tool("accuracy.reference")
-measure, scene_problem = accuracy.measure, accuracy.scene_problem
+hard = tool("hard")
 CASES, reference = hard.CASES, hard.reference
 case_formulation, attempt = tool("hard.case").case_formulation, tool("hard.trial").attempt
 

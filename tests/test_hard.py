@@ -15,11 +15,11 @@ import sympy as sp
 from tool_modules import tool
 
 import voronec as vo
+from voronec.accuracy.precise_motion import precise_integrator
+from voronec.accuracy.solution import UNIT, ReferenceSolution
 from voronec.motion.methods import METHODS
 
-hard, solution = tool("hard"), tool("accuracy.solution")
-UNIT, ReferenceSolution = solution.UNIT, solution.ReferenceSolution
-precise_integrator = tool("accuracy.precise_motion").precise_integrator
+hard = tool("hard")
 CASES, QUICK, HardCase = hard.CASES, hard.QUICK, hard.HardCase
 compute, named_cases, reference, trials = (
     hard.compute, hard.named_cases, hard.reference, hard.trials,

@@ -141,7 +141,7 @@ def _shell(line, **env):
         ("voronec cite nobody 2>&-", 2, ""),
         ("voronec cite sleigh >/dev/full", 2, "No space left"),
         ("voronec --help >/dev/full", 2, "No space left"),
-        ("voronec derive sleigh $'\\e[31m'", 2, r"\x1b[31m' is one argument too many; see"),
+        ("voronec bench sleigh $'\\e[31m'", 2, r"\x1b[31m' is one argument too many; see"),
         ("voronec list | true", 0, ""),
         ("mkdir gone; cd gone; rmdir ../gone; voronec new a-b", 2, "cannot be written"),
     ],

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -24,7 +25,7 @@ LEAST = {
     "regenerate": ("demchenko", "--label", "nothing"), "run": ("sleigh", "--times", "0:1:3"),
     "check": ("x.py",), "compare": ("sleigh", "sleigh"), "graph": ("sleigh",),
     "section": ("sleigh", "--until", "1", "--crossings", "1"),
-    "gallery": ("demchenko", "--only", "A"),
+    "gallery": ("demchenko", "--only", "A"), "bench": ("sleigh", "--time", "x"),
     "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),
     "new": ("some-name",), "cite": ("sleigh",), "view": ("sleigh",), "methods": ("sleigh",),
     "judge": ("sleigh", "v' = a w^2"), "audit": ("x.tex", "sleigh"),
@@ -34,7 +35,7 @@ LEAST = {
 """Every command with right arguments, or with one that ends it where the work itself is long."""
 NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}
 """Where files must be short: a compiled module that is cut short would break what runs next."""
-LONG = ("gallery", "check", "regenerate")
+LONG = ("gallery", "bench", "check", "regenerate")
 """Commands whose work is long: they are tried with text that is wrong."""
 SMALL = """
 import sympy as sp
@@ -93,7 +94,15 @@ def _would_work(words: list[str]) -> bool:
         chosen = command_parser().parse_args(words)
     except SystemExit:
         return False
-    given, plain = vars(chosen), {"check": ("names",), "gallery": ("only",)}
+    given = vars(chosen)
+    plain = {
+        "check": ("names",),
+        "gallery": ("only",),
+    }
+    if words[0] == "bench":  # its least arguments name a time that is none; a number begins it
+        with suppress(ValueError):
+            return given["time"] is None or float(given["time"]) > 0
+        return False
     return all(given.get(k) in (None, [], "x") for k in plain.get(words[0], ()))
 
 

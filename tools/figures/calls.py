@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from accuracy import measure_calls
-
 from figures import table
 from figures.problems import BALL, Extent, around
+from voronec.accuracy.bench import measure_calls
 
 SPANS = (1.0, 10.0, 100.0, 1000.0)
 ERROR = 1e-9

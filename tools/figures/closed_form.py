@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from accuracy import OWN, measure, reference, scene_problem
-
 import voronec as vo
 from figures import closed_kinds, closed_rows, table
 from figures.closed_rows import hard_table
 from figures.peers import PEERS
 from figures.table import Sheet
+from voronec.accuracy.bench import OWN, measure, reference, scene_problem
 
 
 def cases_table(_page: Path) -> str:

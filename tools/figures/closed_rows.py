@@ -11,12 +11,12 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from accuracy import time_fastest
 
 import voronec as vo
 from figures.closed_motion import NAMES, Motion
 from figures.closed_references import STORE, apart, exact_start
 from figures.table import Row
+from voronec.accuracy.bench import time_fastest
 from voronec.equations.program import Program, hoist, taylor_system
 
 ANGLES = NAMES[:5]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from accuracy import scene_problem
 
 import voronec as vo
 from figures import table
@@ -17,6 +16,7 @@ from figures.numba_dop853 import compiled_dop853
 from figures.peers import Formulation, by_hand
 from figures.problems import Extent
 from figures.race import clock
+from voronec.accuracy.bench import scene_problem
 
 NORMAL = ("gamma1", "gamma2", "gamma3")
 SPIN = ("omega1", "omega2", "omega3")

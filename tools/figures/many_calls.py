@@ -12,11 +12,10 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from accuracy import contenders, scene_problem
-
 import voronec as vo
 from figures.peers import PEERS
 from figures.table import markdown
+from voronec.accuracy.bench import contenders, scene_problem
 from voronec.algebra.symbols import plain_name
 
 TOLERANCE, INSTANTS = 1e-9, 51

@@ -16,10 +16,10 @@ from math import exp, log
 from statistics import median
 
 import numpy as np
-from accuracy import at_error
 
 import voronec as vo
 from figures.table import markdown
+from voronec.accuracy.bench import at_error
 from voronec.equations.program import Program
 from voronec.errors import VoronecError
 from voronec.motion import method_costs

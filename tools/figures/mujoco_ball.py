@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from accuracy import ReferenceProblem, time_fastest
+
+from voronec.accuracy.bench import ReferenceProblem, time_fastest
 
 OUTPUTS = ("gamma1", "gamma2", "gamma3", "omega1", "omega2", "omega3")
 MUJOCO: Mapping[str, tuple[str, str, str]] = {

@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from accuracy import Contender, NotHere, Outcome, ReferenceProblem, time_fastest
-from accuracy.contender import Run
-from accuracy.problem import ProblemFormulation, formulation
 
 from figures.hand_programs import BY_HAND, HandProgram
 from figures.mujoco_ball import MUJOCO, SETTINGS, STEPS, ball_run
 from figures.numba_dop853 import compiled_dop853
+from voronec.accuracy.bench import Contender, NotHere, Outcome, ReferenceProblem, time_fastest
+from voronec.accuracy.bench.contender import Run
+from voronec.accuracy.problem import ProblemFormulation, formulation
 from voronec.algebra.text import as_expression
 from voronec.equations.program import compile_program, hoist, scalar_source
 from voronec.errors import VoronecError

@@ -6,7 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from accuracy import (
+import voronec as vo
+from figures.chain import SYSTEM
+from figures.peers import PEERS
+from figures.race import OneRun, Race, clock, race
+from voronec.accuracy.bench import (
     OWN,
     Measured,
     ReferenceProblem,
@@ -16,11 +20,6 @@ from accuracy import (
     reference,
     scene_problem,
 )
-
-import voronec as vo
-from figures.chain import SYSTEM
-from figures.peers import PEERS
-from figures.race import OneRun, Race, clock, race
 from voronec.motion.methods import METHODS
 
 

@@ -9,7 +9,8 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from accuracy import at_error
+
+from voronec.accuracy.bench import at_error
 
 LONG = 2.0
 """CPU seconds above which a run is measured twice only."""

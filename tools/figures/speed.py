@@ -9,14 +9,13 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from accuracy import Bench
-
 from figures import table
 from figures.calls import calls
 from figures.many import many
 from figures.problems import BALL, FULL, SHORT, Extent, exact, measurement, problem
 from figures.rows import peers_table
 from figures.table import Sheet
+from voronec.accuracy.bench import Bench
 
 SPAN = 1000.0
 CURVES = (

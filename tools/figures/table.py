@@ -13,9 +13,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from accuracy import Bench
-
 import voronec as vo
+from voronec.accuracy.bench import Bench
 
 
 @dataclass(frozen=True)
@@ -51,8 +50,7 @@ def runs(bench: Bench) -> str:
 
 def plot(bench: Bench, page: Path) -> None:
     """The plot of the runs of a measurement, put beside the page."""
-    from accuracy.work_precision_picture import plot_work_precision
-
+    from voronec.accuracy.bench.work_precision_picture import plot_work_precision
     from voronec.motion.pictures.run_pictures import save
 
     save(plot_work_precision(bench), page.with_suffix(".svg"))
@@ -67,8 +65,7 @@ def picture(
 ) -> None:
     """Lines by name in a plot with two logarithmic axes, put beside the page as PAGE-NAME.svg; ours
     are drawn thick."""
-    from accuracy.work_precision_picture import COLOURS, MARKERS, SIZE
-
+    from voronec.accuracy.bench.work_precision_picture import COLOURS, MARKERS, SIZE
     from voronec.declaration.figure_style import figure_in_style
     from voronec.motion.pictures.run_pictures import save
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from accuracy.problem import (
+
+from voronec.accuracy.problem import (
     ProblemFormulation,
     ReferenceProblem,
     formulation,
     precise_number,
 )
-
 from voronec.algebra.arguments import COUNT, SEQUENCE, TEXT, require
 from voronec.algebra.symbols import plain_name
 from voronec.declaration.scene import Scene

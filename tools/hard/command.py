@@ -12,6 +12,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import voronec as vo
 from hard.case import HardCase
 from hard.cases import CASES, QUICK, named_cases
 from hard.page import data, head, lines, page, summary
@@ -19,7 +20,7 @@ from hard.trial import CaseResult, trials
 from voronec.algebra.columns import columns
 from voronec.cli.files import deliver, wanted_folder
 from voronec.cli.output import answer, progress, wrote
-from voronec.errors import DefinitionError, did_you_mean
+from voronec.errors import did_you_mean
 from voronec.motion.methods import METHODS
 
 
@@ -36,6 +37,13 @@ def main() -> int:
     parser.add_argument("--out", metavar="DIR", help="write hard-cases.md and hard.json there")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     chosen = parser.parse_args()
+    try:
+        return _execute(chosen)
+    except vo.VoronecError as error:
+        parser.error(str(error))
+
+
+def _execute(chosen: argparse.Namespace) -> int:
     folder = wanted_folder(chosen.out) if chosen.out else None
     names = chosen.cases or (QUICK if chosen.quick else ())
     cases = named_cases(names, CASES) if names else CASES
@@ -54,9 +62,9 @@ def main() -> int:
 def _methods(names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if name not in ("auto", "default", *METHODS):
-            raise DefinitionError(f"there is no method '{name}'{did_you_mean(name, METHODS)}")
+            raise vo.DefinitionError(f"there is no method '{name}'{did_you_mean(name, METHODS)}")
         if name in METHODS and METHODS[name].absence:
-            raise DefinitionError(f"method '{name}': {METHODS[name].absence}; leave it out")
+            raise vo.DefinitionError(f"method '{name}': {METHODS[name].absence}; leave it out")
     return tuple(dict.fromkeys(names))
 
 

@@ -15,10 +15,10 @@ An angle is what occurs under a sine or a cosine.
 from __future__ import annotations
 
 import numpy as np
-from accuracy.precise_motion import PreciseMotion
-from accuracy.problem import ProblemFormulation, dependence_of_names
-from accuracy.solution import output_sizes
 
+from voronec.accuracy.precise_motion import PreciseMotion
+from voronec.accuracy.problem import ProblemFormulation, dependence_of_names
+from voronec.accuracy.solution import output_sizes
 from voronec.algebra.graphs import nodes
 from voronec.equations.program import Program
 

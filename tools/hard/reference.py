@@ -20,17 +20,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from accuracy.precise_motion import (
+
+from hard.case import ARITHMETICS, HardCase, case_formulation
+from hard.conditioning import condition_numbers, sizes, times
+from voronec.accuracy.precise_motion import (
     PreciseIntegrator,
     PreciseMotion,
     precise_integrator,
 )
-from accuracy.problem import ProblemFormulation
-from accuracy.reference import closed_form_values, taylor_values
-from accuracy.solution import ReferenceSolution, agreement, output_sizes
-
-from hard.case import ARITHMETICS, HardCase, case_formulation
-from hard.conditioning import condition_numbers, sizes, times
+from voronec.accuracy.problem import ProblemFormulation
+from voronec.accuracy.reference import closed_form_values, taylor_values
+from voronec.accuracy.solution import ReferenceSolution, agreement, output_sizes
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import EngineLimit, IntegrationError

@@ -11,10 +11,10 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from accuracy.solution import UNIT, ReferenceSolution
 
 from hard.case import HardCase
 from hard.reference import largest_condition, reference
+from voronec.accuracy.solution import UNIT, ReferenceSolution
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError

@@ -6,8 +6,6 @@ import sys
 from collections.abc import Mapping
 from importlib import import_module
 
-from voronec.errors import DefinitionError, VoronecError, printable
-
 PARSERS = {"argparse", "campaign_parser"}
 """What a module has by whose options ``--help`` is one; of others it prints what they do."""
 
@@ -29,9 +27,5 @@ def run(about: str | None, modules: Mapping[str, str]) -> int:
     if not PARSERS & vars(module).keys() and {"-h", "--help"} & {*words[1:]}:
         print((module.__doc__ or "").strip())
         return 0
-    try:
-        status: int = module.main()
-    except VoronecError as error:
-        print(f"{sys.argv[0]}: {printable(str(error))}", file=sys.stderr)
-        return 2 if isinstance(error, DefinitionError) else 1
+    status: int = module.main()
     return status

@@ -338,6 +338,17 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
         Option("--out DIR|FILE",
                "folder, or one .svg, .png or .pdf (./NAME-gallery; without NAME ./gallery)"),
     ),
+    "bench": (
+        "benchmark", "measure the speed and the error of every method", SYSTEM, MOTION,
+        Option("--outputs A,B", "what is compared (by default invariants and velocities, where "
+               "their equations close)"),
+        Option("--time T", "length of the motion (the scene's)"),
+        Option("--methods A,B", "only these methods and peers"),
+        Option("--tols X,Y", "these tolerances instead of each method's own"),
+        Option("--setup", "instead, show where the time of a whole call goes, at the first of "
+               "--tols (1e-9)"),
+        Option("--out DIR", "folder for bench.json, the table and a plot (./NAME-bench)"),
+    ),
     "search integrals": (
         "search", "search for first integrals of a given form, or prove that there are none",
         SYSTEM, _number("degree", 2, "the degree in the velocities"),

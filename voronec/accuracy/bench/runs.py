@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from accuracy.call_time import SetupTime
-from accuracy.contender import Contender, NotHere, Outcome, Run, repeat
-from accuracy.measurement import Bench, Measured, Point
-from accuracy.problem import ReferenceProblem
-from accuracy.reference import ACCURACY, reference
-from accuracy.solution import ReferenceSolution
+from voronec.accuracy.bench.call_time import SetupTime
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, Run, repeat
+from voronec.accuracy.bench.measurement import Bench, Measured, Point
+from voronec.accuracy.problem import ReferenceProblem
+from voronec.accuracy.reference import ACCURACY, reference
+from voronec.accuracy.solution import ReferenceSolution
 from voronec.errors import DefinitionError, EngineLimit, VoronecError, did_you_mean
 from voronec.motion import Trajectory, integrate
 from voronec.motion.methods import CLOSED_FORM, METHODS

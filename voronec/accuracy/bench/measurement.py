@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from accuracy.call_time import SetupTime
-from accuracy.problem import ReferenceProblem
-from accuracy.solution import ReferenceSolution
+from voronec.accuracy.bench.call_time import SetupTime
+from voronec.accuracy.problem import ReferenceProblem
+from voronec.accuracy.solution import ReferenceSolution
 
 AT = (1e-6, 1e-9)
 """The errors at which methods are compared."""

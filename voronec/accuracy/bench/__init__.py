@@ -4,13 +4,13 @@
 ``measure`` a ``Bench`` of all methods, ours unless others are given as ``Contender``s.
 """
 
-from accuracy.call_time import CallStages, SetupTime, measure_calls, measure_setup
-from accuracy.contender import Contender, NotHere, Outcome, time_fastest
-from accuracy.measurement import At, Bench, Measured, Point, at_error, observed_order
-from accuracy.problem import ReferenceProblem, scene_problem
-from accuracy.reference import reference
-from accuracy.runs import OWN, contenders, measure
-from accuracy.solution import ReferenceSolution, difference
+from voronec.accuracy.bench.call_time import CallStages, SetupTime, measure_calls, measure_setup
+from voronec.accuracy.bench.contender import Contender, NotHere, Outcome, time_fastest
+from voronec.accuracy.bench.measurement import At, Bench, Measured, Point, at_error, observed_order
+from voronec.accuracy.bench.runs import OWN, contenders, measure
+from voronec.accuracy.problem import ReferenceProblem, scene_problem
+from voronec.accuracy.reference import reference
+from voronec.accuracy.solution import ReferenceSolution, difference
 
 __all__ = [
     "OWN",

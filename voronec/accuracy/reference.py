@@ -14,9 +14,9 @@ from functools import partial
 
 import numpy as np
 
-from accuracy.precise_motion import precise_integrator
-from accuracy.problem import ProblemFormulation, ReferenceProblem, formulation
-from accuracy.solution import UNIT, ReferenceSolution, agreement
+from voronec.accuracy.precise_motion import precise_integrator
+from voronec.accuracy.problem import ProblemFormulation, ReferenceProblem, formulation
+from voronec.accuracy.solution import UNIT, ReferenceSolution, agreement
 from voronec.errors import DefinitionError, EngineLimit, IntegrationError, VoronecError
 from voronec.motion import integrate
 from voronec.motion.methods import METHODS

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from voronec.errors import DefinitionError
 
 if TYPE_CHECKING:
-    from accuracy import Bench, Measured
+    from voronec.accuracy.bench import Bench, Measured
 
 COLOURS = ("#1b3a5c", "#b3361e", "#2f7d5b", "#b07d12", "#6b4a8a", "#3d8fb0", "#8a97a6", "#7a4a2b")
 MARKERS = "osD^vP*X"

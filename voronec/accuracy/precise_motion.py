@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from accuracy.problem import DIGITS, ProblemFormulation
+from voronec.accuracy.problem import DIGITS, ProblemFormulation
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion.steppers import heyoka

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from accuracy.problem import ReferenceProblem
+from voronec.accuracy.problem import ReferenceProblem
 from voronec.errors import VoronecError
 
 ENOUGH = 0.25

@@ -1,0 +1,1 @@
+"""Speed against error, and numerically hard cases."""
