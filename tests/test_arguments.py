@@ -103,6 +103,9 @@ DOORS = {
     "'x' = ": lambda: vo.derive(system()).acceleration({"x": Silent(), "xdot": 1}),
     "the point gives 'x'": lambda: vo.derive(system()).acceleration({"x": Untold(), "xdot": 1}),
     "'xdot' = ": lambda: vo.derive(system()).acceleration({"x": 0, "xdot": "9e999999999"}),
+    "a whole number": lambda: vo.HardCase(
+        "n", "sleigh", vo.Scene({x: 1}, outputs=(x,)), points="x"
+    ),
 }
 
 

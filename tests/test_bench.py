@@ -20,7 +20,7 @@ from voronec.accuracy import bench
 from voronec.accuracy import reference as references
 from voronec.accuracy.bench import OWN, Contender, Measured, NotHere, Outcome, Point
 from voronec.accuracy.bench.work_precision_picture import plot_work_precision
-from voronec.accuracy.problem import formulation
+from voronec.accuracy.problem import formulation, lowest
 from voronec.accuracy.solution import agreement
 from voronec.equations.program import Program, compile_program
 from voronec.motion.methods import METHODS
@@ -268,7 +268,7 @@ def test_dop853_of_numba_is_as_accurate(ball: bench.ReferenceProblem, name: str)
 
 
 def test_formulations_have_our_right_hand_side(ball: bench.ReferenceProblem) -> None:
-    at = peers.lowest(ball)
+    at = lowest(ball)
     ours, _ = compile_program(at.program)
     state = np.array([0.48, 0.6, 0.64, 0.5, 2.1, 0.4])  # |gamma| = 1, where forms may differ
     expected = np.array(ours(0.0, list(state), list(at.constants)))
@@ -502,8 +502,7 @@ def test_set_up_is_measured_in_fresh_processes(tmp_path: Path) -> None:
 def test_a_program_has_the_outputs_and_integrals_of_its_level(ball: bench.ReferenceProblem) -> None:
     at = formulation(ball, "invariants")
     assert isinstance(at.program, Program) and at.name == "invariants"
-    states = np.array([at.state, 2 * at.state])
-    values, drift = peers.outputs_and_drift(at, np.array([0.0, 1.0]), states)
+    values, drift = at.outputs_and_drift(np.array([0.0, 1.0]), np.array([at.state, 2 * at.state]))
     assert values["omega2"].tolist() == [2.0, 4.0]
     assert set(drift) == {"energy", "momentum squared", "vertical momentum"}
     assert drift["energy"] > 1

@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from tool_modules import tool
 
 import voronec as vo
 from voronec.accuracy import reference as references
 from voronec.accuracy.bench import measure, scene_problem
-
-hard = tool("hard")
-CASES, reference = hard.CASES, hard.reference
-case_formulation, attempt = tool("hard.case").case_formulation, tool("hard.trial").attempt
+from voronec.accuracy.hard import CASES, reference
+from voronec.accuracy.hard.case import case_formulation
+from voronec.accuracy.hard.trial import attempt
 
 pytestmark = pytest.mark.slow
 

@@ -100,7 +100,7 @@ def test_outputs_of_the_readme_are_drawn_as_far_as_they_are_wanted(tmp_path: Pat
 
 def test_public_names_of_motions_are_described() -> None:
     pages = "".join((ROOT / "docs" / page).read_text() for page in ("python.md", "scenes.md"))
-    homes = ["motion"], ["closed"]
+    homes = ["motion"], ["closed"], ["accuracy"]
     modules = {name: getattr(getattr(voronec, name), "__module__", "") for name in voronec.__all__}
     names = [name for name, module in modules.items() if module.split(".")[1:2] in homes]
     assert [name for name in names if not re.search(rf"\b{name}\b", pages)] == []

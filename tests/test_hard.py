@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,23 +13,24 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from tool_modules import tool
 
 import voronec as vo
+from voronec.accuracy.hard import (
+    CASES,
+    QUICK,
+    HardCase,
+    compute,
+    every_case,
+    named_cases,
+    reference,
+)
+from voronec.accuracy.hard.case import case_formulation
+from voronec.accuracy.hard.page import cells, page, tally
+from voronec.accuracy.hard.reference import STORE, changed_data_reference
+from voronec.accuracy.hard.trial import TOLERANCES, attempt, judge, trials
 from voronec.accuracy.precise_motion import precise_integrator
 from voronec.accuracy.solution import UNIT, ReferenceSolution
 from voronec.motion.methods import METHODS
-
-hard = tool("hard")
-CASES, QUICK, HardCase = hard.CASES, hard.QUICK, hard.HardCase
-compute, named_cases, reference, trials = (
-    hard.compute, hard.named_cases, hard.reference, hard.trials,
-)  # fmt: skip
-case_formulation = tool("hard.case").case_formulation
-page = tool("hard.page")
-references = tool("hard.reference")
-trial_module = tool("hard.trial")
-TOLERANCES, attempt, judge = trial_module.TOLERANCES, trial_module.attempt, trial_module.judge
 
 pytestmark = pytest.mark.slow
 
@@ -70,7 +72,7 @@ def test_names_are_unique_and_the_quick_ones_exist() -> None:
 
 
 def test_every_case_has_the_reference_of_its_own_declaration() -> None:
-    kept = json.loads(references.STORE.read_text("utf-8"))
+    kept = json.loads(STORE.read_text("utf-8"))
     assert {*kept} == {case.name for case in CASES if case.formulation}
     for case in CASES:
         if case.formulation:
@@ -83,7 +85,7 @@ def test_two_runs_of_every_reference_agree_far_below_what_is_allowed() -> None:
     for case in CASES:
         if case.formulation and case.name != "past-the-horizon":
             known = reference(case)
-            allowed = max(1e-10, 100 * UNIT * references.largest_condition(known))
+            allowed = max(1e-10, 100 * UNIT * known.largest_condition)
             assert known.accuracy <= 1e-2 * allowed, (case.name, known.accuracy)
 
 
@@ -162,7 +164,7 @@ def test_a_closed_form_and_heyoka_are_compared_in_many_digits() -> None:
     pytest.importorskip("heyoka")
     (case,) = named_cases(["no-gyroscope"], CASES)
     found = compute(case)
-    assert "closed form" in references.provenance(found) and found.accuracy < 1e-15
+    assert "closed form" in found.provenance and found.accuracy < 1e-15
 
 
 def test_a_motion_without_a_period_is_refused() -> None:
@@ -183,6 +185,12 @@ def test_data_that_are_no_doubles_keep_their_digits() -> None:
 def test_changed_data_confirm_the_variational_equations() -> None:
     pytest.importorskip("heyoka")
     own, case = vo.derive(particle(x - w * x**3)), on_the_line(2.0, 4)
+    found, exact = changed_data_reference(case, own), compute(case, own)
+    assert found.values["x"] == pytest.approx(exact.values["x"], abs=1e-16)
+    assert found.accuracy < 1e-18
+    # errors of the data alone: lower than with those made on the way, by little here
+    assert (found.condition["x"] <= exact.condition["x"] * 1.001).all()
+    assert (found.condition["x"] >= exact.condition["x"] / 4).all()
     at, step = case_formulation(case, own), sp.Rational(1, 10**12)
     passage = precise_integrator(at, 1e-30).follow(case.grid)
     for by, value, slope in (
@@ -200,10 +208,14 @@ def test_changed_data_confirm_the_variational_equations() -> None:
         assert float((ahead - behind) / (2 * step)) == pytest.approx(float(slope), rel=1e-11)
 
 
-def test_without_heyoka_a_case_is_unjudged(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hard.trial.load", lambda _: particle(-x))
+def test_without_heyoka_data_are_changed_or_a_case_is_unjudged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("voronec.accuracy.hard.trial.load", lambda _: particle(-x))
     monkeypatch.setitem(METHODS, "heyoka", replace(METHODS["heyoka"], library="no_such_library"))
-    (finding,) = trials([on_the_line(1.0, 3)], ("scipy",))
+    found = compute(on_the_line(1.0, 3), vo.derive(particle(-x)))
+    assert "data changed" in found.provenance
+    (finding,) = trials([on_the_line(1.0, 3, period=str(Dx.name))], ("scipy",))
     assert finding.trials[0].verdict == "unjudged"
     assert "takes heyoka, which is not installed" in finding.trials[0].reason
 
@@ -264,7 +276,7 @@ def test_an_output_that_is_zero_is_compared_absolutely() -> None:
 def test_only_cases_past_the_horizon_have_no_digit_left() -> None:
     for case in CASES:
         if case.formulation:
-            lost = 100 * UNIT * references.largest_condition(reference(case)) > 1
+            lost = 100 * UNIT * reference(case).largest_condition > 1
             assert lost == (case.name == "past-the-horizon"), case.name
 
 
@@ -277,7 +289,7 @@ def test_a_motion_where_none_starts_is_wrong_and_a_refusal_right(
 ) -> None:
     case = on_the_line(1.0, 2, formulation="")
     assert judge(case, "auto", trajectory(0.0), None).verdict == "missed"
-    monkeypatch.setattr("hard.trial.integrate", refuse)
+    monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     trial = attempt(case, vo.derive(particle(x)), "auto", None)
     assert trial.verdict == "refused" and trial.good and "no motion starts" in trial.reason
 
@@ -295,8 +307,8 @@ def test_the_choice_of_who_gives_no_tolerance_is_shown_and_does_not_decide(
     assert finest.verdict == "met" and finest.automatic
     assert given.verdict == "missed" and not given.automatic
     finding = next(trials([NAMED["no-gyroscope"]], ("default",)))
-    assert finding.good and page.cells(finding.trials[0])[0].endswith("(default)")
-    rows = {row[0]: row for row in page.tally([finding])}
+    assert finding.good and cells(finding.trials[0])[0].endswith("(default)")
+    rows = {row[0]: row for row in tally([finding])}
     assert rows["default"][1] == "1" and rows["default"][-1] == "no-gyroscope"
 
 
@@ -306,6 +318,21 @@ def test_a_coarse_method_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not finding.good and finding.trials[0].verdict == "missed"
 
 
+def test_a_plugin_declares_cases_beside_its_system(monkeypatch: pytest.MonkeyPatch) -> None:
+    from voronec.accuracy.hard import cases
+
+    own = on_the_line(1.0, 2)
+    entry = SimpleNamespace(name="particle", distribution="theirs", module="their_particle")
+    bad = SimpleNamespace(name="other", distribution="theirs", module="their_other")
+    monkeypatch.setitem(sys.modules, "their_particle", SimpleNamespace(HARD_CASES=(own,)))
+    monkeypatch.setitem(sys.modules, "their_other", SimpleNamespace(HARD_CASES=("case",)))
+    monkeypatch.setattr(cases, "entries", lambda: ((entry, bad), ()))
+    found, warnings = every_case()
+    assert found[-1] is own and len(found) == len(CASES) + 1
+    (warning,) = warnings
+    assert "other" in warning and "HARD_CASES = (HardCase(...),)" in warning
+
+
 def test_the_committed_page_tells_every_case() -> None:
     text = PAGE.read_text("utf-8")
     for case in CASES:
@@ -313,6 +340,6 @@ def test_the_committed_page_tells_every_case() -> None:
 
 
 def test_a_page_shows_refusals_with_their_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hard.trial.integrate", refuse)
+    monkeypatch.setattr("voronec.accuracy.hard.trial.integrate", refuse)
     (finding,) = trials([NAMED["no-gyroscope"]], ("scipy",))
-    assert "| refused: system 'line': no motion starts here |" in page.page([finding])
+    assert "| refused: system 'line': no motion starts here |" in page([finding])

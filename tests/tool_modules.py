@@ -1,7 +1,7 @@
 """Modules of the folder of tools, which is no package."""
 
+import importlib.util
 import sys
-from importlib import import_module
 from pathlib import Path
 
 TOOLS = Path(__file__).parents[1] / "tools"
@@ -11,6 +11,10 @@ def tool(name):
     """A module by its name."""
     sys.path.insert(0, str(TOOLS))
     try:
-        return import_module(name)
+        spec = importlib.util.find_spec(name)
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+        return module
     finally:
         sys.path.remove(str(TOOLS))

@@ -5,7 +5,6 @@ python tools/bench.py KIND [--help] ...
 derivation   equations against SymPy's: docs/benchmarks.md
 speed        speed against error: docs/speed.md
 methods      any system: our methods and the peers against a reference
-hard         every integrator on numerically hard cases
 closed-form  the closed form: docs/closed-form.md
 references   the references of the closed form
 setup        large systems, to the first equations and to the first step, against SymPy
@@ -28,7 +27,6 @@ KINDS = {
     "derivation": "figures.derivation",
     "speed": "figures.speed",
     "methods": "figures.methods",
-    "hard": "hard.command",
     "closed-form": "figures.closed_form",
     "references": "figures.closed_references",
     "setup": "figures.setup",

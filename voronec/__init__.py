@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from voronec.accuracy.hard import HardCase as HardCase
     from voronec.algebra.signs import prove_inequality as prove_inequality
     from voronec.algebra.symbols import time as time
     from voronec.algebra.symbols import velocity as velocity
@@ -121,6 +122,7 @@ __version__ = "1.0.0"
 _HOME = {
     name: f"voronec.{module}"
     for module, names in {
+        "accuracy.hard": "HardCase",
         "algebra.signs": "prove_inequality",
         "algebra.symbols": "time velocity",
         "algebra.verdicts": "prove_equal Verdict Witness",

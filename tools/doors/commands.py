@@ -26,7 +26,7 @@ LEAST = {
     "check": ("x.py",), "compare": ("sleigh", "sleigh"), "graph": ("sleigh",),
     "section": ("sleigh", "--until", "1", "--crossings", "1"),
     "gallery": ("demchenko", "--only", "A"), "bench": ("sleigh", "--time", "x"),
-    "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),
+    "hard": ("--list",), "search": ("integrals", "sleigh", "--degree", "1", "--positions", "1"),
     "new": ("some-name",), "cite": ("sleigh",), "view": ("sleigh",), "methods": ("sleigh",),
     "judge": ("sleigh", "v' = a w^2"), "audit": ("x.tex", "sleigh"),
     "steady": ("sleigh",), "stability": ("sleigh", "--over", "v", "--between=-1:1"),
@@ -35,7 +35,7 @@ LEAST = {
 """Every command with right arguments, or with one that ends it where the work itself is long."""
 NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}
 """Where files must be short: a compiled module that is cut short would break what runs next."""
-LONG = ("gallery", "bench", "check", "regenerate")
+LONG = ("gallery", "bench", "check", "regenerate", "hard")
 """Commands whose work is long: they are tried with text that is wrong."""
 SMALL = """
 import sympy as sp
@@ -97,6 +97,7 @@ def _would_work(words: list[str]) -> bool:
     given = vars(chosen)
     plain = {
         "check": ("names",),
+        "hard": ("cases",),
         "gallery": ("only",),
     }
     if words[0] == "bench":  # its least arguments name a time that is none; a number begins it

@@ -215,6 +215,7 @@ def _declarations() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Plane": (vo.Plane, {"place": (X, Y), "direction": (X, Y), "length": 1}),
         "Quadratures": (vo.Quadratures, {"variable": {X: X}, "constants": {K: X}, "quartic": X**4,
                                          "integrals": {Y: X}}),
+        "HardCase": (vo.HardCase, {"name": "n", "system": "sleigh", "scene": vo.Scene({X: 1})}),
         **_geometry(),
     }  # fmt: skip
 

@@ -23,16 +23,14 @@ from figures.mujoco_ball import MUJOCO, SETTINGS, STEPS, ball_run
 from figures.numba_dop853 import compiled_dop853
 from voronec.accuracy.bench import Contender, NotHere, Outcome, ReferenceProblem, time_fastest
 from voronec.accuracy.bench.contender import Run
-from voronec.accuracy.problem import ProblemFormulation, formulation
+from voronec.accuracy.problem import ProblemFormulation, formulation, lowest
 from voronec.algebra.text import as_expression
-from voronec.equations.program import compile_program, hoist, scalar_source
+from voronec.equations.program import hoist, scalar_source
 from voronec.errors import VoronecError
 
 LONGEST = 20_000
 """Characters of a right-hand side beyond which no hand writes it out."""
 FINEST = 1e-16
-NOTHING = 1e-9
-"""An integral that starts below this is compared absolutely."""
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
 """To where rounding ends all gain of DOP853."""
 
@@ -78,35 +76,8 @@ class Formulation:
             values = {n: known[n] for n in problem.outputs}
             return Outcome(values, seconds, evaluations, steps)
         states = np.column_stack([known[n] for n in variables])
-        values, drift = outputs_and_drift(self.at, problem.grid, states)
+        values, drift = self.at.outputs_and_drift(problem.grid, states)
         return Outcome(values, seconds, evaluations, steps, drift)
-
-
-def outputs_and_drift(
-    at: ProblemFormulation, t: np.ndarray, states: np.ndarray
-) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """Outputs, each of shape (k,), and the drift of each integral, at states (k, n)."""
-    _, extras = compile_program(at.program)
-    with np.errstate(all="ignore"):
-        rows = extras(t, list(states.T), list(at.constants))
-    arrays = [np.broadcast_to(np.asarray(r, dtype=float), t.shape) for r in rows]
-    named = dict(zip(at.program.names, arrays, strict=True))
-    drifts = {n: _drift(named[f"integral {n}"]) for n in at.integrals}
-    return {n: named[n] for n in at.problem.outputs}, drifts
-
-
-def _drift(values: np.ndarray) -> float:
-    """The largest change of a constant of the motion, relative to its start where that is not 0."""
-    size = abs(values[0]) if abs(values[0]) > NOTHING else 1.0
-    return float(np.abs(values - values[0]).max() / size)
-
-
-def lowest(problem: ReferenceProblem) -> ProblemFormulation:
-    """The problem on the invariants where that works, else on the coordinates."""
-    try:
-        return formulation(problem, "invariants")
-    except VoronecError:
-        return formulation(problem, "coordinates")
 
 
 def by_hand(problem: ReferenceProblem) -> Formulation:

@@ -13,9 +13,10 @@ from pathlib import Path
 from time import perf_counter
 
 from figures.table import fill
-from hard import CASES, named_cases, trials
-from hard.page import sections
-from hard.reference import STORE, compute, largest_condition, provenance, to_store
+
+from voronec.accuracy.hard import CASES, named_cases, trials
+from voronec.accuracy.hard.page import sections
+from voronec.accuracy.hard.reference import STORE, compute
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "hard-cases.md"
 
@@ -29,12 +30,12 @@ def store_references(names: list[str]) -> None:
         found = compute(case)
         known = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
         stored = {c.name: known[c.name] for c in CASES if c.name in known}
-        stored[case.name] = {"digest": case.digest, **to_store(found)}
+        stored[case.name] = {"digest": case.digest, **found.as_dict()}
         lines = (f"{json.dumps(n)}: {json.dumps(stored[n])}" for n in sorted(stored))
         STORE.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
         print(
-            f"{case.name}: {provenance(found)}, agreed to {found.accuracy:.1e}, condition "
-            f"{largest_condition(found):.1e}, {perf_counter() - began:.0f} s",
+            f"{case.name}: {found.provenance}, agreed to {found.accuracy:.1e}, condition "
+            f"{found.largest_condition:.1e}, {perf_counter() - began:.0f} s",
             flush=True,
         )
 

@@ -40,6 +40,7 @@ ROOMS = {
     "sweeps": "Sweeps over many motions",
     "audit": "Teaching",
     "algebra": "Symbols and verdicts",
+    "accuracy": "Hard cases",
     "errors": "Errors",
     "testing": "Tests for your own systems",
 }

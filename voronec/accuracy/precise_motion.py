@@ -1,4 +1,18 @@
-"""Motions in many digits, by heyoka, with their variational equations where these are wanted."""
+"""Motions in many digits, and how much they magnify relative changes: their condition numbers.
+
+With Phi(t, s) the propagator of the variational equations, o an output, p the parameters,
+
+    kappa(t) = 1 + sum_p |do(t)/dp| |p| / |o|
+                 + max over s <= t of sum_i |do(t)/dx (t) Phi(t, s)|_i X_i / |o|.
+
+The first sum is of what an error of the parameters does, the second of what an error made at any
+time s on the way does: rounding errors are made all along, not only in the initial data.  |o| is
+the largest value of the output along the motion.  X_i is the size of a state: an angle's largest
+value, but at least one radian; for other coordinates, and for velocities, the largest of them all.
+An angle is what occurs under a sine or a cosine.
+
+heyoka solves the problem in many digits with its variational equations.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +24,58 @@ import mpmath
 import numpy as np
 
 from voronec.accuracy.problem import DIGITS, ProblemFormulation
+from voronec.accuracy.solution import output_sizes
 from voronec.equations.program import taylor_extras, taylor_system
 from voronec.errors import EngineLimit, IntegrationError
 from voronec.motion.steppers import heyoka
+
+
+def sizes(problem: ProblemFormulation, states: np.ndarray) -> np.ndarray:
+    """X_i of the kept states (k, n): see the module; shape (n,)."""
+    largest = np.abs(states.astype(float)).max(axis=0)
+    coordinates = len(problem.program.coordinates)
+    angle = np.array([i in problem.angle_places for i in problem.places])
+    moving = np.array([i >= coordinates for i in problem.places])
+    result = np.maximum(largest, 1.0)
+    for group in (moving, ~moving & ~angle):
+        if group.any():
+            result[group] = largest[group].max() or 1.0
+    return result
+
+
+def condition_numbers(problem: ProblemFormulation, passage: PreciseMotion) -> np.ndarray:
+    """kappa of every output at every instant of a passage; shape (k, m)."""
+    scale = output_sizes(passage.outputs)
+    size = sizes(problem, passage.states)
+    constants = np.abs(np.array([float(x) for x in problem.values]))
+    count, width = passage.outputs.shape
+    drift = np.zeros((passage.states.shape[1], len(constants)), dtype=object)
+    result = np.empty((count, width))
+    for j in range(count):
+        if j:
+            drift = times(passage.steps[j - 1], drift) + passage.drives[j - 1]
+        slopes = times(passage.gradients[j], drift) + passage.by_parameters[j]
+        data = np.abs(slopes.astype(float)) @ constants
+        result[j] = 1.0 + (data + _error_growth(passage, j, size)) / scale
+    return result
+
+
+def _error_growth(passage: PreciseMotion, j: int, size: np.ndarray) -> np.ndarray:
+    """What an error made at the worst instant up to the j-th does to the outputs there."""
+    reach = passage.gradients[j]
+    worst = np.abs(reach.astype(float)) @ size
+    for step in passage.steps[:j][::-1]:
+        reach = times(reach, step)
+        worst = np.maximum(worst, np.abs(reach.astype(float)) @ size)
+    return worst
+
+
+def times(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """A product of matrices of many digits."""
+    if right.shape[1] == 0:
+        return np.zeros((left.shape[0], 0), dtype=object)
+    return left.astype(object) @ right.astype(object)
+
 
 STEPS = 4000
 """Taylor steps between two looks at the keyboard; a span that gets nowhere in these has a pole."""

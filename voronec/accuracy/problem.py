@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from voronec.algebra.graphs import nodes
 from voronec.algebra.symbols import plain_name
 from voronec.algebra.text import as_expression
 from voronec.declaration.claims import right_of
@@ -18,7 +19,7 @@ from voronec.declaration.scene import Scene
 from voronec.declaration.system import System
 from voronec.equations.derivation import FirstOrderForm
 from voronec.equations.motions import Motions
-from voronec.equations.program import Block, Program
+from voronec.equations.program import Block, Program, compile_program
 from voronec.equations.vector_field import VectorField
 from voronec.equations.voronec_equations import VoronecEquations
 from voronec.errors import DefinitionError, EngineLimit, VoronecError
@@ -30,6 +31,8 @@ DIGITS = 60
 """Digits of the initial data of a reference."""
 INSTANTS = 101
 """How many instants the outputs of a scene are compared at."""
+NOTHING = 1e-9
+"""An integral that starts below this is compared absolutely."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,14 +130,44 @@ class ProblemFormulation:
         """The states on which outputs depend."""
         return tuple(str(self.program.state[i]) for i in self.places)
 
+    @cached_property
+    def angle_places(self) -> frozenset[int]:
+        """The positions of coordinates that occur, by whatever names, under a sine or a cosine."""
+        place = {q: i for i, q in enumerate(self.program.coordinates)}
+        found: set[int] = set()
+        for block in (self.program.derivative, self.program.extras):
+            reach = _reach(block, place)
+            for node in nodes(block.expressions):
+                if type(node).__name__ in ("sin", "cos", "tan", "cot"):
+                    found = found.union(*(reach.get(s, set()) for s in node.free_symbols))
+        return frozenset(found)
+
+    def outputs_and_drift(
+        self, t: np.ndarray, states: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+        """Outputs, each of shape (k,), and the drift of each integral, at states (k, n)."""
+        _, extras = compile_program(self.program)
+        with np.errstate(all="ignore"):
+            rows = extras(t, list(states.T), list(self.constants))
+        arrays = [np.broadcast_to(np.asarray(r, dtype=float), t.shape) for r in rows]
+        named = dict(zip(self.program.names, arrays, strict=True))
+        drifts = {n: drift(named[f"integral {n}"]) for n in self.integrals}
+        return {n: named[n] for n in self.problem.outputs}, drifts
+
+
+def drift(values: np.ndarray) -> float:
+    """The largest change of a constant of the motion, relative to its start where that is not 0."""
+    size = abs(values[0]) if abs(values[0]) > NOTHING else 1.0
+    return float(np.abs(values - values[0]).max() / size)
+
 
 def _dependence(block: Block, place: Mapping[Any, int]) -> list[set[int]]:
     """For every result, the positions of the states that occur in it."""
-    reach = dependence_of_names(block, place)
+    reach = _reach(block, place)
     return [set().union(*(reach.get(s, set()) for s in r.free_symbols)) for r in block.results]
 
 
-def dependence_of_names(block: Block, place: Mapping[Any, int]) -> dict[Any, set[int]]:
+def _reach(block: Block, place: Mapping[Any, int]) -> dict[Any, set[int]]:
     """For every name in a program, the positions of what it holds, through whatever others."""
     reach: dict[Any, set[int]] = {s: {i} for s, i in place.items()}
     for name, expr in block.assignments:
@@ -173,6 +206,14 @@ def formulation(
         start = tuple(_initial(str(s), low, numbers) for s in program.state)
         values = tuple(mpmath.mpf(numbers.get(str(p), np.nan)) for p in program.parameters)
     return ProblemFormulation(problem, name, program, start, values, tuple(integrals))
+
+
+def lowest(problem: ReferenceProblem) -> ProblemFormulation:
+    """The problem on the invariants where that works, else on the coordinates."""
+    try:
+        return formulation(problem, "invariants")
+    except VoronecError:
+        return formulation(problem, "coordinates")
 
 
 def _initial(name: str, invariants: Mapping[str, Any], numbers: Mapping[str, Any]) -> Any:

@@ -33,11 +33,40 @@ class ReferenceSolution:
     note: str = ""
     condition: Mapping[str, np.ndarray] = field(default_factory=dict)
 
+    @property
+    def provenance(self) -> str:
+        """How it was made, in a line."""
+        return "; ".join(self.how)
+
+    @property
+    def largest_condition(self) -> float:
+        """The largest condition number of any output at any instant."""
+        return max(float(c.max()) for c in self.condition.values())
+
     def errors(
         self, values: Mapping[str, Any], angles: Collection[str] = ()
     ) -> dict[str, np.ndarray]:
         """The errors of outputs, as ``difference`` says."""
         return {n: difference(x, self.values[n], n in angles) for n, x in values.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON; condition numbers to three digits."""
+        return {
+            "t": self.t.tolist(),
+            "values": {n: x.tolist() for n, x in self.values.items()},
+            "condition": {n: [float(f"{c:.3g}") for c in x] for n, x in self.condition.items()},
+            "agreed": float(f"{self.accuracy:.2g}"),
+            "made": self.provenance,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> ReferenceSolution:
+        """From plain data."""
+        values, condition = (
+            {n: np.array(x) for n, x in data[k].items()} for k in ("values", "condition")
+        )
+        how = tuple(str(data["made"]).split("; "))
+        return cls(np.array(data["t"]), values, float(data["agreed"]), how, condition=condition)
 
 
 def agreement(

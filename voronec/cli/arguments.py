@@ -349,6 +349,15 @@ COMMANDS: Mapping[str, tuple[Any, ...]] = {
                "--tols (1e-9)"),
         Option("--out DIR", "folder for bench.json, the table and a plot (./NAME-bench)"),
     ),
+    "hard": (
+        "hard", "try every integrator on numerically hard cases",
+        Option("cases CASE", "only these cases (all)", {"nargs": "*"}),
+        _several("--method M",
+                 "auto, heyoka, scipy, numba, c, lsoda, flint or closed-form" + OFTEN),
+        Option("--quick", "a short selection of the cases"),
+        Option("--list", "list the cases without running them"),
+        Option("--out DIR", "write hard-cases.md and hard.json there"),
+    ),
     "search integrals": (
         "search", "search for first integrals of a given form, or prove that there are none",
         SYSTEM, _number("degree", 2, "the degree in the velocities"),

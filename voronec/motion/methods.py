@@ -52,8 +52,7 @@ class Method:
     finest
         a finer tolerance is raised to this one, which costs no accuracy.
     best
-        the tolerance at which it is shown at its best (``tools/bench.py hard``); ``finest`` unless
-        given.
+        the tolerance at which it is shown at its best (``voronec hard``); ``finest`` unless given.
     symbolic
         whether it wants the equations as expressions, all of them: it asks Python for no inputs.
     exact

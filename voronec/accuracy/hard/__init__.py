@@ -4,10 +4,10 @@
 the condition number of the case (``conditioning``), u = 2^-53, and so is a refusal with a reason.
 """
 
-from hard.case import HardCase
-from hard.cases import CASES, QUICK, named_cases
-from hard.reference import compute, reference
-from hard.trial import CaseResult, Trial, trials
+from voronec.accuracy.hard.case import HardCase
+from voronec.accuracy.hard.cases import CASES, QUICK, every_case, named_cases
+from voronec.accuracy.hard.reference import compute, reference
+from voronec.accuracy.hard.trial import CaseResult, Trial, trials
 
 __all__ = [
     "CASES",
@@ -16,6 +16,7 @@ __all__ = [
     "HardCase",
     "Trial",
     "compute",
+    "every_case",
     "named_cases",
     "reference",
     "trials",

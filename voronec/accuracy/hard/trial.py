@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from hard.case import HardCase
-from hard.reference import largest_condition, reference
+from voronec.accuracy.hard.case import HardCase
+from voronec.accuracy.hard.reference import reference
 from voronec.accuracy.solution import UNIT, ReferenceSolution
 from voronec.declaration.catalogue import load
 from voronec.equations.voronec_equations import VoronecEquations, derive
@@ -127,7 +127,7 @@ def judge(
         verdict = "kept" if drift <= DRIFT else "lost"
     return Trial(
         case.name, method, verdict, error=max(map(_largest, errors.values())),
-        condition=largest_condition(reference), roundings=max(map(_largest, made.values())),
+        condition=reference.largest_condition, roundings=max(map(_largest, made.values())),
         worst=worst, **told,
     )  # fmt: skip
 

@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from hard.case import HardCase
-from hard.reference import provenance
-from hard.trial import CaseResult, Trial
+from voronec.accuracy.hard.case import HardCase
+from voronec.accuracy.hard.trial import CaseResult, Trial
 from voronec.motion.methods import METHODS
 
 
@@ -53,7 +52,7 @@ def _case(finding: CaseResult) -> list[str]:
     settings = [f"{k} = {x}" for k, x in {**case.scene.parameters, **case.scene.initial}.items()]
     made = "No reference: only a refusal is right."
     if known is not None:
-        made = f"Reference: {provenance(known)}; the two agree to {known.accuracy:.0e}."
+        made = f"Reference: {known.provenance}; the two agree to {known.accuracy:.0e}."
     growth = " Errors grow exponentially." if case.chaotic else ""
     return [
         f"### {case.name}\n",
@@ -120,7 +119,7 @@ def data(finding: CaseResult) -> dict[str, Any]:
         "hard": case.hard,
         "chaotic": case.chaotic,
         "times": [float(t) for t in case.scene.times],
-        "reference": None if known is None else provenance(known),
+        "reference": None if known is None else known.provenance,
         "agreed": None if known is None else known.accuracy,
         "good": finding.good,
         "trials": [t.as_dict() for t in finding.trials],
