@@ -13,6 +13,8 @@ import voronec as vo
 from voronec.cli import main
 from voronec.dynamics import integral_map_of
 
+pytestmark = pytest.mark.slow
+
 x, y = sp.symbols("x y")
 vx, vy = vo.velocity(x), vo.velocity(y)
 ALONG_X = vx**2 / 2 - x**2 / 2 + x**4 / 4
@@ -43,7 +45,6 @@ def wells():
     return vo.bifurcation_diagram(double_well(), between=WINDOW)
 
 
-@pytest.mark.slow
 def test_critical_values_are_those_of_the_wells_and_of_the_saddle():
     found = wells()
     for value, kind in ((-0.25, "stable"), (0.0, "saddle")):
@@ -69,7 +70,6 @@ def test_tori_are_counted_in_every_region():
     assert found.kind(0.0, 0.3) == "critical" and found.kind(9, 9) == "not told"
 
 
-@pytest.mark.slow
 def test_a_point_answers_with_a_motion_on_its_level():
     found, sides = wells(), set()
     for component in (0, 1):
@@ -87,7 +87,6 @@ def test_a_point_answers_with_a_motion_on_its_level():
         found.start(-0.35, 0.2)
 
 
-@pytest.mark.slow
 def test_veselova_has_the_critical_values_of_its_permanent_rotations():
     # about axis i the momentum is J_i omega_i and the energy J_i omega_i^2/2: k = 2 J_i h, and the
     # middle axis is unstable
@@ -105,7 +104,6 @@ def test_veselova_has_the_critical_values_of_its_permanent_rotations():
     assert "omega3" in found.map.variables  # nothing is infinite where gamma3 = 0
 
 
-@pytest.mark.slow
 def test_curves_of_chaplygins_ball_end_at_its_steady_motions():
     found = vo.bifurcation_diagram(vo.load("chaplygin-ball"))
     c = found.held["vertical momentum"]
@@ -120,7 +118,6 @@ def test_curves_of_chaplygins_ball_end_at_its_steady_motions():
     assert {r.components for r in found.regions if r.share > 0.01} == {0, 2}
 
 
-@pytest.mark.slow
 def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     disc = vo.load("falling-disc")
     found = integral_map_of(disc, None, {})
@@ -131,7 +128,6 @@ def test_integrals_of_the_disc_without_formulas_are_constant_along_a_motion():
     assert np.ptp(values, axis=0).max() < 1e-8 and np.ptp(points[:, 0]) > 0.1
 
 
-@pytest.mark.slow
 def test_a_parameter_may_be_an_axis():
     found = vo.bifurcation_diagram(
         vo.load("rubber-ball-on-sphere"), axes=("energy", "R1"), starts=5
@@ -140,7 +136,6 @@ def test_a_parameter_may_be_an_axis():
     assert all(np.abs(c.values[:, 0]).max() < 1e-12 for c in found.curves) and found.curves
 
 
-@pytest.mark.slow
 def test_diagrams_are_drawn_and_saved(tmp_path):
     found = wells()
     assert found.plot().axes[0].get_xlabel() == "along x"
