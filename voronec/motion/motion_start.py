@@ -109,16 +109,16 @@ def _are_rates(ground: ConstraintGeometry, q: np.ndarray, v: np.ndarray, w: np.n
     return bool((np.abs(off) <= CONSISTENT * size).all())
 
 
-def _at_rest(namespace: Namespace, ground: ConstraintGeometry, given: StartData) -> np.ndarray:
-    """The coordinates at the start, with velocities that are zero."""
-    values = [
+def _numbers_and_place(
+    namespace: Namespace, ground: ConstraintGeometry, given: StartData, project: bool
+) -> tuple[dict[str, float], dict[str, float], np.ndarray, list[str]]:
+    """What the scene says and what is given besides, the coordinates, and what was moved."""
+    old, new = (
         numbers_of(namespace, part, ground.constants)
         for part in (given.scene_initial, given.initial)
-    ]
-    q, _ = coordinates_of(
-        namespace, {**values[0], **values[1]}, ground.constants, ground.time, project=True
     )
-    return np.concatenate([q, np.zeros(len(ground.home.definition.dots))])
+    place = coordinates_of(namespace, {**old, **new}, ground.constants, ground.time, project)
+    return old, new, *place
 
 
 def _is_frame(ground: ConstraintGeometry, wide: np.ndarray) -> bool:
@@ -240,7 +240,8 @@ class InitialState:
                 _require_frame(ConstraintGeometry(equations, constants, time), start.state)
         except (DefinitionError, IntegrationError) as error:
             ground = ConstraintGeometry(equations, constants, time)
-            rest = _at_rest(namespace, ground, given)
+            _, _, q, _ = _numbers_and_place(namespace, ground, given, True)
+            rest = np.concatenate([q, np.zeros(len(equations.definition.dots))])
             # rates of angles are no numbers at their poles, whatever rounding makes of them
             known = start is not None or not blind_directions(ground, rest).shape[1]
             if known and not isinstance(error, NoFrame) and _is_frame(ground, rest):
@@ -288,12 +289,7 @@ class WideStart:
     ) -> WideStart:
         """Solve what is given; ``DefinitionError`` where it determines nothing, or contradicts.
         Where velocities v that are given belong to no w it is ``framed``, if that is known."""
-        old, new = (
-            numbers_of(namespace, part, ground.constants)
-            for part in (given.scene_initial, given.initial)
-        )
-        values = {**old, **new}
-        q, notes = coordinates_of(namespace, values, ground.constants, ground.time, project)
+        old, new, q, notes = _numbers_and_place(namespace, ground, given, project)
         system = ground.home.system
         names = {plain_name(x) for x in system.coordinates}
         later = {k: x for k, x in new.items() if k not in names}
