@@ -16,8 +16,9 @@ from voronec.algebra.precision import SHARP
 from voronec.algebra.stable import stable_all
 from voronec.algebra.symbols import plain_name, time
 from voronec.algebra.sympy_bridge import RATES
-from voronec.algebra.tape import Tape, middle
+from voronec.algebra.tape import Tape, as_ball, middle
 from voronec.algebra.verdicts import all_vanish
+from voronec.declaration.reading import quote
 from voronec.declaration.system import System
 from voronec.equations.definition import read
 from voronec.equations.derivation import Derivation
@@ -40,13 +41,27 @@ def jets(system: System) -> dict[str, Any]:
     return found
 
 
+def _check(system: System, name: str, value: Any) -> Any:
+    """A value as it stands, if it is a finite real number."""
+    try:
+        sound = as_ball(value).is_finite()
+    except (DefinitionError, EngineLimit):
+        sound = False
+    if not sound:
+        raise DefinitionError(
+            f"system '{system.name}': the point gives '{name}' = '{quote(value)}', which is not a "
+            "real number; give a finite one"
+        )
+    return value
+
+
 def acceleration(
     system: System, raw: Derivation, tape: Tape, point: Mapping[Any, Any], digits: int
 ) -> dict[sp.Expr, sp.Float]:
     """See ``VoronecEquations.acceleration``; ``tape`` is the ``acceleration_tape`` of ``raw``."""
     require_digits(f"system '{system.name}'", digits)
     others = {plain_name(time), *jets(system)}
-    values = named_point(system, point, others)
+    values = named_point(system, point, others, _check)
     values |= {str(f): values[name] for name, f in jets(system).items() if name in values}
     result = _accelerations(raw, tape, values, digits)
     if result is None:  # a pivot may vanish just here: solve the constraints for this point

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Callable, Mapping, Set
 from typing import Any
 
 import sympy as sp
 
 from voronec.algebra.symbols import plain_name
-from voronec.algebra.tape import as_ball
 from voronec.declaration.reading import quote
 from voronec.declaration.system import System
-from voronec.errors import DefinitionError, EngineLimit
+from voronec.errors import DefinitionError
 
 
 def named_point(
     system: System,
     point: Mapping[Any, Any],
     others: Set[str],
+    number: Callable[[System, str, Any], Any],
 ) -> dict[str, Any]:
     """A point by plain names, completed by the parameters' default values.
 
-    Keys are symbols or names, of the system or among ``others``.  Raises ``DefinitionError`` for a
-    name that the system lacks, for one that is named twice or has no value, and for a value that is
-    no finite real number.
+    Keys are symbols or names, of the system or among ``others``; ``number`` takes the system, a
+    name and its value, and returns it as it is to be used.  Raises ``DefinitionError`` for a name
+    that the system lacks, for one that is named twice or has no value, and for what ``number``
+    refuses.
     """
     if not isinstance(point, Mapping):
         raise DefinitionError(
@@ -44,10 +45,10 @@ def named_point(
             raise DefinitionError(
                 f"system '{system.name}': the point gives '{name}' twice; give it once"
             )
-        given[name] = _check(system, name, value)
+        given[name] = number(system, name, value)
     for parameter in constants:
         if parameter.value is not None and parameter.name not in given:
-            given[parameter.name] = _check(system, parameter.name, parameter.value)
+            given[parameter.name] = number(system, parameter.name, parameter.value)
     missing = [name for name in names if name not in given]
     if missing:
         raise DefinitionError(
@@ -55,20 +56,6 @@ def named_point(
             f"'{system.name}'; add it to the point"
         )
     return given
-
-
-def _check(system: System, name: str, value: Any) -> Any:
-    """A value as it stands, if it is a finite real number."""
-    try:
-        sound = as_ball(value).is_finite()
-    except (DefinitionError, EngineLimit):
-        sound = False
-    if not sound:
-        raise DefinitionError(
-            f"system '{system.name}': the point gives '{name}' = '{quote(value)}', which is not a "
-            "real number; give a finite one"
-        )
-    return value
 
 
 def _name(system: System, key: Any) -> str:

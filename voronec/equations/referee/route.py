@@ -12,18 +12,21 @@ Numbers of the point at which equations are evaluated are taken exactly.
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
-import flint
 import mpmath as mp
 import sympy as sp
 
 from voronec.algebra.arguments import POINT, accepts, require_digits
 from voronec.algebra.symbols import plain_name, time
-from voronec.algebra.tape import as_ball, middle
+from voronec.algebra.text import as_expression, exact_number
 from voronec.declaration.system import System, require_system
 from voronec.equations.point_values import named_point
 from voronec.equations.referee.names import rate_names
@@ -52,10 +55,9 @@ class MultiplierSolution:
         return [*self.accelerations, *self.reaction, *self.multipliers]
 
 
-def solve(plan: Plan, values: Mapping[str, Any]) -> MultiplierSolution:
+def solve(plan: Plan, values: Mapping[str, Exact]) -> MultiplierSolution:
     """Solve at mpmath's working precision; ``DefinitionError`` where there is no solution."""
-    with flint.ctx.workprec(mp.mp.prec + SPARE):
-        numbers = {name: middle(as_ball(value)) for name, value in values.items()}
+    numbers = {name: _round(value) for name, value in values.items()}
     _settle(plan, numbers)
     _check_affinity(plan, numbers)
     rows = _find_velocities(plan, numbers)
@@ -233,8 +235,6 @@ def _split(flat: Vector, *lengths: int) -> list[Vector]:
     return [*pieces, flat[start:]]
 
 
-SPARE = 10
-"""Bits beyond those of mpmath, with which numbers of a point are rounded to its."""
 GUARD = 25
 """Decimal digits computed beyond those asked for."""
 
@@ -342,7 +342,7 @@ def _confirm(system: System, point: Mapping[Any, Any], digits: int) -> Multiplie
 
 
 def _attempt(
-    plan: Plan, values: Mapping[str, Any], precision: int
+    plan: Plan, values: Mapping[str, Exact], precision: int
 ) -> MultiplierSolution | DefinitionError:
     """A failure at one precision is a value too: more digits may tell two ranks apart."""
     with mp.workdps(precision):
@@ -376,12 +376,18 @@ def _later_solution(
     return MultiplierSolution(settled[:n], settled[n:end], settled[end:], after.determined)
 
 
-def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Any]:
+Exact: TypeAlias = Fraction | mp.mpf | sp.Expr
+"""A number without error: a fraction, a binary number of any length, or an exact expression."""
+LARGEST = 1e6
+"""Logarithm of the largest power that a number may hold: towers of exponentials have no end."""
+
+
+def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dict[str, Exact]:
     """The point by plain names; the time, inputs and their rates only where they occur, by their
     names, that is among ``held``."""
     clock = plain_name(time)
     driven = {name: u for u in system.inputs for name in rate_names(u)}
-    values = named_point(system, point, {clock, *driven})
+    values = named_point(system, point, {clock, *driven}, _exact)
     for name in sorted(driven.keys() & held - values.keys()):
         raise DefinitionError(
             f"system '{system.name}': the unknown function '{driven[name]}' has no value; add "
@@ -391,7 +397,69 @@ def _read_point(system: System, point: Mapping[Any, Any], held: Set[str]) -> dic
         raise DefinitionError(
             f"the point gives no value for '{clock}' of system '{system.name}'; add it to the point"
         )
-    return {clock: 0, **values}
+    return {clock: Fraction(0), **values}
+
+
+def _exact(system: System, name: str, number: Any) -> Exact:
+    """A number as it stands: decimals in strings are decimals, floats are binary."""
+    try:
+        value = _read(number)
+    except (DefinitionError, TypeError, ValueError, OverflowError, AttributeError):
+        value = None
+    if value is None:
+        raise DefinitionError(
+            f"system '{system.name}': the value of '{name}' is '{number}', which is not a real "
+            "number of a size that can be written"
+        )
+    return value
+
+
+def _read(number: Any) -> Exact | None:
+    if isinstance(number, (str, Decimal)):
+        return _read(exact_number(str(number), "a number"))
+    if isinstance(number, Fraction):
+        return number
+    if isinstance(number, float):
+        return Fraction(float(number)) if math.isfinite(number) else None
+    if isinstance(number, (mp.mpf, sp.Float)):
+        raw = mp.mp.make_mpf(number._mpf_)
+        return raw if mp.isfinite(raw) else None
+    if isinstance(number, sp.Lambda):
+        return None
+    if hasattr(number, "__index__") and not isinstance(number, sp.Basic):
+        return Fraction(operator.index(number))
+    value = as_expression(number)
+    if isinstance(value, sp.Rational):
+        return Fraction(int(value.p), int(value.q))
+    if isinstance(value, sp.Float):
+        return _read(value)
+    if not isinstance(value, sp.Expr) or not value.is_number or _is_too_large(value):
+        return None
+    return value if value.is_real and value.is_finite else None
+
+
+def _is_too_large(value: sp.Expr) -> bool:
+    """Whether a power in it is beyond all sizes; what stands inside is looked at first."""
+    for node in sp.postorder_traversal(value):
+        if isinstance(node, sp.Pow | sp.exp):
+            base, exponent = node.as_base_exp()
+            size = abs(sp.log(sp.N(base, 5)) * sp.N(exponent, 5)) if base != 0 else 0
+        elif isinstance(node, sp.sinh | sp.cosh):
+            size = abs(sp.N(node.args[0], 5))
+        else:
+            continue
+        if not size < LARGEST:
+            return True
+    return False
+
+
+def _round(value: Exact) -> Any:
+    """A number as ``mpf`` at the working precision of mpmath."""
+    if isinstance(value, Fraction):
+        return mp.mpf(value.numerator) / value.denominator
+    if isinstance(value, mp.mpf):
+        return +value
+    return mp.mp.make_mpf(sp.N(value, mp.mp.dps + 5)._mpf_)
 
 
 Vector = list[Any]

@@ -373,7 +373,7 @@ class _TaylorStepper:
             )  # fmt: skip
         ends, samples = np.array([time for time, _, _ in self.series]), None
         if self.is_sampled and self.series:
-            times, states = series_samples(*self.steps_taken())
+            times, states = series_samples(*self.last_steps())
             samples = times, whole(states)
         none = np.empty((0, len(state)))
         return Segment(taken, whole(rows), ta.time, state, ends, none, (), samples)
@@ -464,7 +464,7 @@ class _TaylorStepper:
                 self.end, write_tc=True, **limits
             )
             if self.series:
-                ends, lengths, series = self.steps_taken()
+                ends, lengths, series = self.last_steps()
                 times, winding = np.array([standing, *ends]), self.winding.now()
                 self.output = _TaylorSteps(times, lengths, series, winding)
             return outcome, taken, none
@@ -477,7 +477,7 @@ class _TaylorStepper:
         outcome, _, self.longest, taken, _, rows = ta.propagate_grid(points, **limits)
         return outcome, taken, rows[known:]
 
-    def steps_taken(self) -> tuple[np.ndarray, ...]:
+    def last_steps(self) -> tuple[np.ndarray, ...]:
         """Ends (s,), lengths (s,) and coefficients (s, n, order + 1) of steps."""
         return tuple(map(np.array, zip(*self.series, strict=True)))
 

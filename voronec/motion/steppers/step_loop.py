@@ -168,7 +168,7 @@ class _March:
                 try:
                     stride = self.stepper.advance()
                 except IntegratorFailure as halted:
-                    return self.failed(str(halted))
+                    return self.fail(str(halted))
                 if isinstance(stride, Segment):
                     self.pass_over(stride)
                 else:
@@ -177,14 +177,14 @@ class _March:
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
                 if reason := self.stall.failure(self.steps, self.last.time):
-                    return self.failed(reason)
+                    return self.fail(reason)
         except ControllerFailure as failure:
             return self.result(replace(self.last, reason=str(failure), mend=MEND))
         except KeyboardInterrupt:
             return self.result(interrupted=True)
         return self.result(self.singular())
 
-    def failed(self, reason: str) -> Run:
+    def fail(self, reason: str) -> Run:
         """The run up to where its steps lead no farther, or before the first instant of its grid
         that it can only have reached through a singular mass matrix."""
         done = slice(self.done)

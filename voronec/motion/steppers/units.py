@@ -425,7 +425,8 @@ class TurnCount:
         """The largest state that may be kept small, in units of the largest other (at least 1); of
         lanes, where that is largest."""
         others = np.abs(state[self.others]).max(axis=0, initial=1.0)
-        return float(np.max(np.abs(state[self.small]).max(axis=0, initial=0.0) / others))
+        sizes = np.abs(state[self.small]).max(axis=0, initial=0.0)
+        return float(np.max(sizes / others, initial=0.0))  # no lane may be left
 
     def pace(self, size: int, state: np.ndarray, most: int) -> int:
         """How many steps go before the next look, where states grew to these in ``size`` steps; no
