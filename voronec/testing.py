@@ -152,9 +152,9 @@ def scenes_run(name: str) -> None:
     for title, scene in eqs.system.scenes.items():
         begin, end = map(float, scene.times)
         times = [begin, (begin + end) / 2, end]
-        found = integrate(eqs, scene=title, times=times, method="scipy", tol=1e-11)
-        assert len(found) == 3, f"scene '{title}' of '{name}' stopped at t = {found.t[-1]:g}"
-        loose = {k: d for k, d in found.drift.items() if not d < DRIFT}
+        run = integrate(eqs, scene=title, times=times, method="scipy", tol=1e-11)
+        assert len(run) == 3, f"scene '{title}' of '{name}' stopped at t = {run.t[-1]:g}"
+        loose = {k: d for k, d in run.drift.items() if not d < DRIFT}
         assert not loose, f"scene '{title}' of '{name}': integrals drift: {loose}"
 
 
@@ -198,13 +198,13 @@ def _results(name: str, *kinds: str) -> list[Result]:
     """What has to do with a system, and what is wrong beside it at sight."""
     entry = _entry(name)
     stock = _stock(entry.path)
-    found = [
+    troubles = [
         trouble_result(t)
         for t in stock.all_troubles
         if entry.name in (t.name, t.owner) and t.kind in kinds
     ]
     units = units_of(stock, [entry.name])
-    return [*found, *(_result(unit) for unit in units if unit.kind in kinds)]
+    return [*troubles, *(_result(unit) for unit in units if unit.kind in kinds)]
 
 
 def _pass(results: Sequence[Result]) -> None:

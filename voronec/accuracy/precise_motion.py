@@ -287,9 +287,9 @@ def _output_function(
 
     def look(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         point = np.array(list(state), dtype=numbers.kind)
-        found = function(point, pars=values[:used]) if used else function(point)
-        found = found.astype(object)
-        table = found[len(outputs) :].reshape(len(outputs), size + count)
-        return found[: len(outputs)], table[:, :size], table[:, size:]
+        entries = function(point, pars=values[:used]) if used else function(point)
+        entries = entries.astype(object)
+        table = entries[len(outputs) :].reshape(len(outputs), size + count)
+        return entries[: len(outputs)], table[:, :size], table[:, size:]
 
     return look

@@ -118,12 +118,12 @@ class ProblemFormulation:
         """The positions of the states on which outputs depend, through however many others."""
         place = {s: i for i, s in enumerate(self.program.state)}
         rows = _dependence(self.program.derivative, place)
-        found = set().union(*_dependence(self.program.extras, place))
+        reached = set().union(*_dependence(self.program.extras, place))
         while True:
-            more = found.union(*(rows[i] for i in found))
-            if more == found:
-                return tuple(sorted(found))
-            found = more
+            more = reached.union(*(rows[i] for i in reached))
+            if more == reached:
+                return tuple(sorted(reached))
+            reached = more
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -134,13 +134,13 @@ class ProblemFormulation:
     def angle_places(self) -> frozenset[int]:
         """The positions of coordinates that occur, by whatever names, under a sine or a cosine."""
         place = {q: i for i, q in enumerate(self.program.coordinates)}
-        found: set[int] = set()
+        angular: set[int] = set()
         for block in (self.program.derivative, self.program.extras):
             reach = _reach(block, place)
             for node in nodes(block.expressions):
                 if type(node).__name__ in ("sin", "cos", "tan", "cot"):
-                    found = found.union(*(reach.get(s, set()) for s in node.free_symbols))
-        return frozenset(found)
+                    angular = angular.union(*(reach.get(s, set()) for s in node.free_symbols))
+        return frozenset(angular)
 
     def outputs_and_drift(
         self, t: np.ndarray, states: np.ndarray
@@ -186,8 +186,8 @@ def formulation(
     if name == "invariants" and not system.invariants:
         raise EngineLimit(f"system '{system.name}' declares no invariants")
     if name == "invariants":
-        own = Motions.of(problem.equations).at(name)
-        form, read = own.form, own.read
+        motion = Motions.of(problem.equations).at(name)
+        form, read = motion.form, motion.read
     form = form or problem.equations.form
     low = dict(system.invariants) if name == "invariants" else {}
     # what is an invariant, or minus one, in the user's words
@@ -254,15 +254,15 @@ def scene_problem(
     """
     declared = system.system if isinstance(system, VoronecEquations) else system
     chosen = declared.first_scene if scene is None else scene
-    own = scene_of(declared, chosen, needed=True, instead="a system that declares one")
-    assert chosen is not None and own is not None  # one is needed
-    driven = drive(system, inputs, own, steady="a comparison of methods")
+    setting = scene_of(declared, chosen, needed=True, instead="a system that declares one")
+    assert chosen is not None and setting is not None  # one is needed
+    driven = drive(system, inputs, setting, steady="a comparison of methods")
     equations, parameters = driven.equations, {**(parameters or {}), **driven.constants}
-    grid = _grid(own, time, instants)
+    grid = _grid(setting, time, instants)
     wanted = (outputs,) if isinstance(outputs, str | sp.Basic) else tuple(outputs)
-    wanted = wanted or _invariant_state(equations) or own.outputs
+    wanted = wanted or _invariant_state(equations) or setting.outputs
     first = integrate(
-        equations, replace(own, outputs=(), inputs={}), times=grid[:1], parameters=parameters,
+        equations, replace(setting, outputs=(), inputs={}), times=grid[:1], parameters=parameters,
         initial=initial, method="scipy",
     )  # fmt: skip
     symbols = (*equations.system.coordinates, *equations.system.velocities)
@@ -303,8 +303,10 @@ def _invariant_state(equations: VoronecEquations) -> tuple[Any, ...]:
         field = Motions.of(equations).on_invariants
     except VoronecError:
         return ()
-    own = [s for s in system.velocities if plain_name(s) in {str(v) for v in field.velocities}]
-    return (*system.invariants, *map(plain_name, own))
+    velocities = [
+        s for s in system.velocities if plain_name(s) in {str(v) for v in field.velocities}
+    ]
+    return (*system.invariants, *map(plain_name, velocities))
 
 
 def _angles(system: System, expressions: Mapping[str, sp.Expr]) -> frozenset[str]:
@@ -312,11 +314,11 @@ def _angles(system: System, expressions: Mapping[str, sp.Expr]) -> frozenset[str
     frame = system.frame.expressions if system.frame is not None else ()
     held = [as_expression(e) for e in (system.lagrangian, *system.constraints, *frame)]
     held += [as_expression(e) for e in system.forces.values()]
-    found = set()
+    angles = set()
     for name, expr in expressions.items():
         if expr in system.coordinates and _is_only_angle(expr, held):
-            found.add(name)
-    return frozenset(found)
+            angles.add(name)
+    return frozenset(angles)
 
 
 def _is_only_angle(coordinate: Any, exprs: Sequence[sp.Expr]) -> bool:

@@ -48,9 +48,9 @@ def reference(problem: ReferenceProblem, needed: float = ACCURACY) -> ReferenceS
     best = closed_form_reference(problem, needed)
     for digits in () if best is not None else DIGITS:
         runs = [(name, run()) for name, run in _two_runs(problem, digits)]
-        found = agreement(problem.grid, runs, needed, problem.angles)
-        if found is not None and (best is None or len(found.t) > len(best.t)):
-            best = found
+        agreed = agreement(problem.grid, runs, needed, problem.angles)
+        if agreed is not None and (best is None or len(agreed.t) > len(best.t)):
+            best = agreed
         if best is not None and len(best.t) == len(problem.grid):
             break
     if best is None:
@@ -74,16 +74,16 @@ def closed_form_reference(problem: ReferenceProblem, needed: float) -> Reference
         name, run = _two_runs(crossed, DIGITS[0])[0]
         said = f"the closed form, enclosed to {DIGITS[0] + 5} digits"
         runs = [(said, closed_form_values(crossed)), (name, run())]
-        found = agreement(crossed.grid, runs, needed, problem.angles)
-        if found is None or len(found.t) < len(crossed.grid):
+        agreed = agreement(crossed.grid, runs, needed, problem.angles)
+        if agreed is None or len(agreed.t) < len(crossed.grid):
             return None
         if crossed is problem:
-            return found
+            return agreed
         values = {n: np.asarray(x, dtype=float) for n, x in closed_form_values(problem).items()}
     except (DefinitionError, EngineLimit, IntegrationError):
         return None
     note = f"the two agree up to t = {last:g}; later there is the closed form alone, enclosed"
-    return replace(found, t=problem.grid, values=values, note=note)
+    return replace(agreed, t=problem.grid, values=values, note=note)
 
 
 def closed_form_values(problem: ReferenceProblem) -> Values:

@@ -111,8 +111,8 @@ def difference(values: Any, exact: Any, angle: bool = False) -> np.ndarray:
     if object in (values.dtype, exact.dtype):
         with mpmath.workdps(FINEST_DIGITS):
             pairs = zip(values.flat, exact.flat, strict=True)
-            found = [float(_digits(a) - _digits(b)) for a, b in pairs]
-        apart = np.array(found).reshape(exact.shape)
+            gaps = [float(_digits(a) - _digits(b)) for a, b in pairs]
+        apart = np.array(gaps).reshape(exact.shape)
     else:
         apart = np.asarray(values - exact, dtype=float)
     if angle:

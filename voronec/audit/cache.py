@@ -67,12 +67,12 @@ def _text(value: Any) -> str:
 
 def _origins(section: Section) -> set[Path]:
     """The files in which the section's functions are written."""
-    found = set()
+    files = set()
     for function in _functions(section):
         file = inspect.getsourcefile(inspect.unwrap(function)) if _has_source(function) else None
         if file is not None:
-            found.add(Path(file).resolve())
-    return found
+            files.add(Path(file).resolve())
+    return files
 
 
 def _has_source(function: Any) -> bool:

@@ -175,10 +175,10 @@ class ClaimJudge:
     @cached_property
     def _displays(self) -> dict[int, list[Display]]:
         """The displays by sections, each once."""
-        found: dict[int, dict[Display, None]] = {}
+        grouped: dict[int, dict[Display, None]] = {}
         for claim in self.claims:
-            found.setdefault(claim.section, {})[claim.formula.display] = None
-        return {section: [*displays] for section, displays in found.items()}
+            grouped.setdefault(claim.section, {})[claim.formula.display] = None
+        return {section: [*displays] for section, displays in grouped.items()}
 
 
 def _ground(chain: Chain, study: Study) -> str:

@@ -164,16 +164,16 @@ def _integrable(equations: VoronecEquations, stated: bool, several: bool) -> tup
 
 def _each(equations: VoronecEquations, stated: bool) -> tuple[str, str]:
     """Whether each of the constraints is integrable, or none, whatever their combinations are."""
-    found = len(equations.integrable)
-    if found == (len(equations.system.constraints) if stated else 0):
-        return "proved", f"{found or 'no'} combinations of the constraints integrate"
-    return "unaudited", f"{found} combinations of the constraints integrate; which are meant?"
+    count = len(equations.integrable)
+    if count == (len(equations.system.constraints) if stated else 0):
+        return "proved", f"{count or 'no'} combinations of the constraints integrate"
+    return "unaudited", f"{count} combinations of the constraints integrate; which are meant?"
 
 
 def _theorem(equations: VoronecEquations) -> tuple[str, str]:
     """Whether a theorem of integrability that the system itself claims is proved for it."""
-    own = equations.system
-    for claim in check_claims(replace(own, cases={})) if own.integrable else ():
+    system = equations.system
+    for claim in check_claims(replace(system, cases={})) if system.integrable else ():
         if claim.kind == "integrable" and claim.verdict.proved:
             return "proved", f"{claim.standing}: {claim.verdict.method}"
     return "unaudited", "the system claims no theorem of integrability that is proved"

@@ -93,31 +93,31 @@ def special_cases(
     claim: PrintedClaim, claims: Sequence[PrintedClaim], study: Study
 ) -> list[SpecialCase]:
     """The cases that the sentence of a formula names: conditions, each alone and all together."""
-    found: list[tuple[str, dict[Any, Any]]] = []
+    cases: list[tuple[str, dict[Any, Any]]] = []
     moving = study.motion.rates
     words = claim.sentence
     if _AT_REST.search(words):
-        found.append(("rest", dict.fromkeys(study.context.velocities, sp.S.Zero)))
+        cases.append(("rest", dict.fromkeys(study.context.velocities, sp.S.Zero)))
     for letter, value in _LIMIT.findall(words):
         node = value_or_none(study.tree, letter)
         symbol = node and study.table.get(study.key(node))
         if isinstance(symbol, sp.Symbol):
             far = "infty" in value and (-1 if "-" in value else 1) / _SMALL
             place = far or sp.Integer(value)
-            found.append((f"${letter}\\to {value}$", {symbol: place}))
+            cases.append((f"${letter}\\to {value}$", {symbol: place}))
     for other in claims:
         if other.display.sentence == claim.display.sentence and other is not claim:
             given = _condition(other, study)
-            found += [(f"${other.formula.printed}$", given)] if given else []
-    if len(found) > 1:
+            cases += [(f"${other.formula.printed}$", given)] if given else []
+    if len(cases) > 1:
         together: dict[Any, Any] = {}
-        for _, given in found:
+        for _, given in cases:
             together |= given
-        found.append((" and ".join(said for said, _ in found), together))
+        cases.append((" and ".join(said for said, _ in cases), together))
     constant = claim.chain is not None and any(map(names_constant, claim.chain.parts))
     return [
         SpecialCase(said, replace(study, given=given))
-        for said, given in found
+        for said, given in cases
         if not (constant and given.keys() & moving.keys())
     ]
 

@@ -51,17 +51,17 @@ def with_uses(examined: Examination, everything: Sequence[Examination]) -> Formu
 
 def _users(examined: Examination, everything: Sequence[Examination]) -> list[Examination]:
     """What names the thing defined, or names what another definition makes of it."""
-    found: list[Examination] = []
+    users: list[Examination] = []
     waiting = [examined]
     while waiting:
         one = waiting.pop()
         for other in everything:
             uses = one.label in other.premises if one.condition else one.defines in other.uses
-            if uses and other is not examined and other not in found:
-                found.append(other)
+            if uses and other is not examined and other not in users:
+                users.append(other)
                 if other.record.verdict == "definition" and other.defines:
                     waiting.append(other)
-    return [e for e in everything if e in found]
+    return [e for e in everything if e in users]
 
 
 def defined_name(chain: Chain) -> str:
@@ -78,8 +78,8 @@ def defined_name(chain: Chain) -> str:
 
 def families(chain: Chain | None) -> tuple[str, ...]:
     """Keys of the names, velocities and variations in a formula, whatever their indices."""
-    found = [_family(part) for part in walk(chain) if isinstance(part, (Name, Dot, Variation))]
-    return tuple(dict.fromkeys(found))
+    keys = [_family(part) for part in walk(chain) if isinstance(part, (Name, Dot, Variation))]
+    return tuple(dict.fromkeys(keys))
 
 
 def _family(node: Any) -> str:

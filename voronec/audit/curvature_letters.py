@@ -39,8 +39,8 @@ def with_curvature(study: Study, claims: Sequence[PrintedClaim], text: str) -> S
     for sign in (1, -1) if mine else ():
         signed = {name: sign * value for name, value in values.items()}
         trial = replace(study, names={**study.names, **signed})
-        found = [value_or_none(verify, claim.chain, Check(), trial) for claim in mine]
-        proved[sum(outcome is not None and outcome.verdict.proved for outcome in found)] = trial
+        outcomes = [value_or_none(verify, claim.chain, Check(), trial) for claim in mine]
+        proved[sum(outcome is not None and outcome.verdict.proved for outcome in outcomes)] = trial
     return proved[max(proved)] if len(proved) == 2 else study
 
 
@@ -67,10 +67,14 @@ def _component(name: Name, study: Study) -> Any:
     """The component of the system's curvature that a name stands for, else None."""
     fibration, places = study.context.system.fibration, list[int]()
     for position, index in enumerate(component_indices(name)):
-        own = fibration.base if position else fibration.fibre
+        coordinates = fibration.base if position else fibration.fibre
         number = int(index.text) if isinstance(index, Number) else 0
-        place = own[number - 1] if 0 < number <= len(own) else value_or_none(evaluate, index, study)
-        if place not in own:
+        place = (
+            coordinates[number - 1]
+            if 0 < number <= len(coordinates)
+            else value_or_none(evaluate, index, study)
+        )
+        if place not in coordinates:
             return None
-        places.append(own.index(place))
+        places.append(coordinates.index(place))
     return study.context.curvature[tuple(places)] if places else None

@@ -71,12 +71,12 @@ class _Draft:
 
     def _definitions(self) -> dict[Any, Any]:
         """What stands alone on a left side, and the first thing that it is equal to."""
-        found: dict[Any, Any] = {}
+        definitions: dict[Any, Any] = {}
         for _, (left, right, *_) in self._equations():
             number, letters = left.as_coeff_Mul()
             if letters.is_Symbol and not right.has(letters):
-                found.setdefault(letters, right / number)
-        return found
+                definitions.setdefault(letters, right / number)
+        return definitions
 
     def _lagrangian(self) -> Any:
         known = {symbol.name: value for symbol, value in self._definitions().items()}
@@ -103,7 +103,7 @@ class _Draft:
 
     def _constraints(self, coordinates: list[Any]) -> list[tuple[Any, Any]]:
         dots = [velocity(q) for q in coordinates]
-        found = []
+        constraints = []
         for claim, values in self._equations():
             gap = sp.expand(values[0] - values[-1])
             mine = [dot for dot in dots if gap.has(dot)]
@@ -112,8 +112,8 @@ class _Draft:
             said = _BOUND.search(claim.display.before) and len(values) == 2
             velocity_alone = claim.chain is not None and isinstance(claim.chain.parts[0], Name)
             if linear and not others and said and not velocity_alone:
-                found.append((values[0], values[1]))
-        return found
+                constraints.append((values[0], values[1]))
+        return constraints
 
     def text(self, name: str) -> str:
         """The file."""

@@ -123,12 +123,12 @@ def _records(document: Document, introduced: Introductions, progress: Progress) 
 
 def _unknown_letters(introduced: Introductions, records: Sequence[Record]) -> dict[str, list[str]]:
     """The letters that nothing explains, with the lines in which they stand."""
-    found: dict[str, list[str]] = {}
+    letters: dict[str, list[str]] = {}
     for claim, record in zip(introduced.claims, records, strict=False):
         if record.verdict == "unknown letters" and claim.chain is not None:
             for letter in unknown_names(claim.chain, introduced.study):
-                found.setdefault(letter, []).append(f"line {claim.place[1]}")
-    return found
+                letters.setdefault(letter, []).append(f"line {claim.place[1]}")
+    return letters
 
 
 def _names_with(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -54,10 +54,10 @@ class Introductions:
     @classmethod
     def of(cls, claims: Sequence[PrintedClaim], study: Study) -> Introductions:
         """What is introduced under a dictionary: definitions first, then multipliers."""
-        found = cls(claims, study)
-        found._define()
-        found._multipliers()
-        return found
+        introduced = cls(claims, study)
+        introduced._define()
+        introduced._multipliers()
+        return introduced
 
     def _define(self) -> None:
         """Definitions wherever they stand; those that need others come after these."""
@@ -130,16 +130,16 @@ class Introductions:
     def forces(self) -> frozenset[str]:
         """Letters that nothing explains, in equations with accelerations: lambda and mu, and what a
         sentence on multipliers or reactions has."""
-        found: set[str] = set()
+        letters: set[str] = set()
         for claim in self.claims:
             if claim.chain is None or not has_accelerations(claim.chain, self.study):
                 continue
             said = _REACTIONS.search(claim.sentence)
             for letter in unknown_names(claim.chain, self.study):
                 if said or re.match(r"\\(?:lambda|mu)(?![a-zA-Z])", letter):
-                    found.add(letter)
-        applied = {n for n in found if n.partition("_")[0] in self.study.functions}
-        return frozenset(found - applied - {*self._parametric()})
+                    letters.add(letter)
+        applied = {n for n in letters if n.partition("_")[0] in self.study.functions}
+        return frozenset(letters - applied - {*self._parametric()})
 
     def _parametric(self) -> Iterator[str]:
         """Letters that the paper says are functions of parameters, or matrices of the state."""
@@ -175,7 +175,7 @@ class Introductions:
             if not unknown or not {*unknown} <= symbols.keys():
                 continue
             gaps = value_or_none(_gaps, claim.chain.parts, study) or []
-            found = 0
+            count = 0
             for gap in gaps:
                 gap = sp.expand(gap.xreplace(values))
                 mine = [s for s in symbols.values() if gap.has(s)]
@@ -183,10 +183,10 @@ class Introductions:
                     continue
                 value = -gap.xreplace({mine[0]: sp.S.Zero}) / sp.diff(gap, mine[0])
                 values = {s: v.xreplace({mine[0]: value}) for s, v in values.items()}
-                values[mine[0]], found = value, found + 1
+                values[mine[0]], count = value, count + 1
                 letter = next(k for k, s in symbols.items() if s == mine[0])
                 self.defined_at[letter] = claim
-            if found and found == len(gaps):
+            if count and count == len(gaps):
                 self._tell(number, letter)
         solved = {k: values[s] for k, s in symbols.items() if s in values}
         solved = {k: v for k, v in solved.items() if not v.free_symbols & {*symbols.values()}}

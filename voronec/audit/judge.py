@@ -95,9 +95,9 @@ class SectionContext:
         unless ``anywhere``."""
         study = self.study(check)
         for other in self.transcript.formulas():
-            own = (other.display, other.position) == (formula.display, formula.position)
+            itself = (other.display, other.position) == (formula.display, formula.position)
             same = other.display.check(other.position).study == check.study
-            if own or not (same or anywhere):
+            if itself or not (same or anywhere):
                 continue
             try:
                 names = marks(other.tree(study.vocabulary), study, index)
@@ -134,15 +134,15 @@ class SectionContext:
 
     def _stated_conditions(self, check: Check, study: Study) -> dict[sp.Expr, sp.Expr]:
         """Conditions that the paper states as equations ``symbol = expression``."""
-        found: dict[sp.Expr, sp.Expr] = {}
+        conditions: dict[sp.Expr, sp.Expr] = {}
         for label in check.given:
             chain = self.transcript.formula_labelled_as(label).tree(study.vocabulary)
             try:
                 symbol, value = (evaluate(part, study) for part in chain.parts)
             except UnknownName:
                 continue  # the system has the condition built in
-            found[symbol] = value
-        return found
+            conditions[symbol] = value
+        return conditions
 
 
 def judge_sentence(sentence: Sentence, bench: SectionContext) -> FormulaRecord:
@@ -227,9 +227,9 @@ def _without_value(
         return FormulaRecord(formula.printed, "undecided", str(error))
     unusual = isinstance(error, Unfamiliar) or not isinstance(error, Misprint)
     if not isinstance(error, Ambiguous) and (bench.complete or not unusual):
-        found = _made_true(formula, check, bench, f"it {what} as printed ({error})")
-        if found is not None:
-            return found
+        record = _made_true(formula, check, bench, f"it {what} as printed ({error})")
+        if record is not None:
+            return record
         fault = _meaningless(formula, check, bench, error)
         if fault:
             return FormulaRecord(formula.printed, "misprint", f"it {what} as printed: {fault}")
@@ -292,12 +292,12 @@ def _closed_witness(printed: str, check: Check, study: Study) -> dict[str, Any] 
     if whole is None:
         return None
     try:
-        found = witness_of(verify(read(whole, study.vocabulary), check, study))
+        witness = witness_of(verify(read(whole, study.vocabulary), check, study))
     except SENSELESS:
         return None
-    if found is not None:
-        found["about"] = "with what is open closed at the end"
-    return found
+    if witness is not None:
+        witness["about"] = "with what is open closed at the end"
+    return witness
 
 
 def _elsewhere(
@@ -553,7 +553,7 @@ def _independent_conditions(
 def _gradients(chain: Chain, study: Study) -> list[dict[sp.Expr, sp.Expr]]:
     """By velocities, on the constraints: the derivatives of left minus right of every equation."""
     study, virtual = _free_variations(study)
-    motion, found, dots = study.motion, [], accelerations(study)
+    motion, gradients, dots = study.motion, [], accelerations(study)
     velocities = {x for x, rate in motion.rates.items() if rate in dots}
     velocities |= {*motion.constrained, *study.variations.values()}
     for where in assignments(chain, study):
@@ -563,8 +563,8 @@ def _gradients(chain: Chain, study: Study) -> list[dict[sp.Expr, sp.Expr]]:
             for value in gap if isinstance(gap, sp.MatrixBase) else [gap]:
                 symbols = value.free_symbols & velocities
                 slopes = {x: motion.restrict(sp.diff(value, x).xreplace(virtual)) for x in symbols}
-                found.append({x: e.xreplace(dict(study.given)) for x, e in slopes.items()})
-    return found
+                gradients.append({x: e.xreplace(dict(study.given)) for x, e in slopes.items()})
+    return gradients
 
 
 def _free_variations(study: Study) -> tuple[Study, dict[sp.Expr, sp.Expr]]:
@@ -603,8 +603,8 @@ def _minors(table: sp.Matrix, size: int, relations: tuple[Any, ...]) -> list[Any
         minors = [products.extract(c, c).det(method="berkowitz") for c in chosen]
     else:
         minors = [table[:, c].det() for c in chosen]
-    found = shorten(minors, relations)
-    return sorted((m for m in found if m != 0), key=sp.count_ops)
+    shortened = shorten(minors, relations)
+    return sorted((m for m in shortened if m != 0), key=sp.count_ops)
 
 
 def _nowhere_zero(value: Any, study: Study) -> bool:

@@ -88,28 +88,28 @@ def study_of(equations: VoronecEquations, text: str = "") -> Study:
 
 def _vectors(names: Mapping[str, Any], parameters: set[Any]) -> dict[str, Any]:
     """Bold letters: the vector of three components, the diagonal matrix of three parameters."""
-    found: dict[str, Any] = {}
+    vectors: dict[str, Any] = {}
     for name in names:
         head, _, index = name.partition("_")
         several = [f"{head}_{{{i}}}" for i in ("123" if index == "{1}" else "xyz")]
         if index in ("{1}", "{x}") and all(one in names for one in several):
             values = [names[one] for one in several]
             value = sp.diag(*values) if {*values} <= parameters else sp.Matrix(values)
-            found |= {f"\\{shape}{{{head}}}": value for shape in ("mathbf", "boldsymbol", "vec")}
-    return found
+            vectors |= {f"\\{shape}{{{head}}}": value for shape in ("mathbf", "boldsymbol", "vec")}
+    return vectors
 
 
 def _letters_of_mechanics(equations: VoronecEquations, study: Study) -> dict[str, Any]:
     """The letters of mechanics by their keys."""
     system = equations.system
     known = Language.of(equations).study.names
-    found = {k: known[k] for k in ("L", "T", "V") if k in known}
-    if "T" in found and "V" in found:
-        found |= dict.fromkeys(("E", "H"), found["T"] + found["V"])
+    letters = {k: known[k] for k in ("L", "T", "V") if k in known}
+    if "T" in letters and "V" in letters:
+        letters |= dict.fromkeys(("E", "H"), letters["T"] + letters["V"])
     for q in system.coordinates:
         slope = sp.diff(system.lagrangian, velocity(q))
-        found |= {f"p_{key}": slope for key, value in study.table.items() if value == q}
-    return found
+        letters |= {f"p_{key}": slope for key, value in study.table.items() if value == q}
+    return letters
 
 
 def names_in(part: Any) -> Iterator[Name]:
@@ -129,7 +129,7 @@ def names_in(part: Any) -> Iterator[Name]:
 def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
     """The dictionary with what the words of a paper bind, whose formulas these are."""
     derived, table = _letters_of_mechanics(study.context, study), dict(study.table)
-    found: dict[str, Any] = {}
+    letters: dict[str, Any] = {}
     seen: set[int] = set()
     claims = list(claims)
     plain_l = any(n.head == "l" for claim in claims for n in names_in(claim.chain or ()))
@@ -143,16 +143,16 @@ def with_words(study: Study, claims: Iterable[PrintedClaim]) -> Study:
             if key in table or key == "const" or (plain_l and name.head == "\\ell"):
                 continue
             if plain in table:
-                found[name_latex(name)] = table[key] = table[plain]
+                letters[name_latex(name)] = table[key] = table[plain]
             elif plain in derived and re.search(_USUAL_WORDS.get(letter, "$."), words):
-                found[name_latex(name)] = table[key] = derived[plain]
+                letters[name_latex(name)] = table[key] = derived[plain]
         first = claim.chain.parts[0] if claim.chain and id(claim.display) not in seen else None
         seen |= {id(claim.display)} if claim.chain else set()
         if isinstance(first, Name) and not first.sup and key_of(first) not in table:
             value = _value_by_words(claim.display, first, derived, study)
             if value is not None:
-                found[name_latex(first)] = table[key_of(first)] = value
-    return replace(study, names={**study.names, **found})
+                letters[name_latex(first)] = table[key_of(first)] = value
+    return replace(study, names={**study.names, **letters})
 
 
 def has_usual_words(name: Name, words: str) -> bool:
@@ -186,19 +186,19 @@ def name_latex(name: Name) -> str:
 def unknown_names(chain: Node, study: Study) -> list[str]:
     """The names of a tree that neither the dictionary nor the paper explains, as they are spelled;
     each once."""
-    found: dict[str, None] = {}
+    unknown: dict[str, None] = {}
     for name in names_in(chain):
         if name.head in {"const", "\\pm", "d"} | FUNCTIONS:
             continue
         try:
             evaluate(name, study)
         except UnknownName:
-            found.setdefault(name_latex(name))
+            unknown.setdefault(name_latex(name))
         except Unfamiliar:  # p_v, where v has a value that is no index
-            found |= {name_latex(name): None} if name.sub or name.sup else {}
+            unknown |= {name_latex(name): None} if name.sub or name.sup else {}
         except SENSELESS:
             continue  # told where the formula gets its verdict
-    return [*found]
+    return [*unknown]
 
 
 def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any]:
@@ -208,7 +208,7 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
     """
     names = dict(Language.of(equations).symbols)
     names |= {plain_name(velocity(q)): velocity(q) for q in equations.coordinates}
-    found: dict[str, Any] = {}
+    letters: dict[str, Any] = {}
     top = read_toml(Path(path)).table(("letters",))
     for letter, item in top["letters"].table().items() if "letters" in top else ():
         text = item.scalar()
@@ -223,12 +223,12 @@ def read_letters(path: str | Path, equations: VoronecEquations) -> dict[str, Any
             item.refuse(error)
         for symbol in sorted(unknown, key=str):
             item.wrong(f"'{symbol}' is no symbol of the system{did_you_mean(str(symbol), names)}")
-        found[letter] = value
+        letters[letter] = value
         try:
             Study({letter: value}).table  # noqa: B018  (it is read)
         except DefinitionError as error:
             item.wrong_key(str(error))
-    return found
+    return letters
 
 
 def letters_table(letters: Mapping[str, list[str]]) -> str:

@@ -139,9 +139,9 @@ def _function(node: Node, study: Study) -> Callable[..., Any] | None:
     if not isinstance(node, Name):
         return None
     for key in (key_of(node) + CALL, key_of(node)):
-        found = study.table.get(key)
-        if callable(found) and not isinstance(found, sp.Basic):
-            return found
+        function = study.table.get(key)
+        if callable(function) and not isinstance(function, sp.Basic):
+            return function
     return _FUNCTIONS.get(node.head)
 
 
@@ -185,23 +185,23 @@ def _listed_symbols(items: tuple[Node, ...], study: Study, where: Where) -> set[
 
 def _listed_values(items: tuple[Node, ...], study: Study, where: Where) -> list[Any]:
     """The values of what is listed, in order; dots and bare families are filled in."""
-    found: list[Any] = []
+    values: list[Any] = []
     for position, item in enumerate(items):
         if isinstance(item, Dots):
             if not 0 < position < len(items) - 1:
                 raise Misprint("dots stand at an end of a list of arguments")
-            found += _between(items[position - 1], items[position + 1], study, where)
+            values += _between(items[position - 1], items[position + 1], study, where)
             continue
         letters = [x for x in free_indices(item, study) if x not in where]
         if letters:
             for value in range(1, study.indices[letters[0]] + 1):
-                found.append(evaluate(item, study, {**where, letters[0]: value}))
+                values.append(evaluate(item, study, {**where, letters[0]: value}))
         elif is_named(item) and f"{_kind_or_key(item)}_#" in study.table:
             top = max(study.indices.values())
-            found += [study.table[f"{_kind_or_key(item)}_#"](i) for i in range(1, top + 1)]
+            values += [study.table[f"{_kind_or_key(item)}_#"](i) for i in range(1, top + 1)]
         else:
-            found.append(evaluate(item, study, where))
-    return found
+            values.append(evaluate(item, study, where))
+    return values
 
 
 def _between(first: Node, last: Node, study: Study, where: Where) -> list[Any]:
@@ -505,15 +505,15 @@ _CONDITIONS: dict[str, Any] = {
 
 def _cases(node: Cases, study: Study, where: Where) -> Any:
     """The first value whose condition holds; the last one wherever no other does."""
-    found = []
+    branches = []
     for value, *conditions in node.cases:
         said = [
             _CONDITIONS[sign](evaluate(a, study, where), evaluate(b, study, where))
             for chain in conditions
             for a, sign, b in links(chain)
         ]
-        found.append((evaluate(value, study, where), sp.And(*said)))
-    return sp.Piecewise(*found[:-1], (found[-1][0], True))
+        branches.append((evaluate(value, study, where), sp.And(*said)))
+    return sp.Piecewise(*branches[:-1], (branches[-1][0], True))
 
 
 def _cross(node: Cross, study: Study, where: Where) -> Any:

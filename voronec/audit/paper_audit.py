@@ -54,10 +54,10 @@ def audit_paper(
     records: list[Record] = []
     for section, basis, key in zip(sections, bases, keys, strict=True):
         shelf = None if cache is None or basis is None else _Shelf(cache, basis, key)
-        found = audit_section(section, progress, shelf, labels)
-        records += found
+        audited = audit_section(section, progress, shelf, labels)
+        records += audited
         if stage is not None:
-            stage(section.title, found)
+            stage(section.title, audited)
     if label is not None:
         records = [
             r for r in records if label in (r.label, r.designation, _label_of(paper, r.section))
@@ -67,17 +67,17 @@ def audit_paper(
 
 def _sections_with(paper: Paper, label: str) -> list[Section]:
     """Those that bear a label, or in which a record is called so, as on the page."""
-    found, labels = [], list[str]()
+    sections, labels = [], list[str]()
     for section in paper.sections:
-        own = [section.label] if section.label else []
+        heading = [section.label] if section.label else []
         everything = list(items(Transcript(section)))
-        labels += own + [item.label for item in everything if item.label]
-        if label in own or any(label in (item.label, item.designation) for item in everything):
-            found.append(section)
-    if not found:
+        labels += heading + [item.label for item in everything if item.label]
+        if label in heading or any(label in (item.label, item.designation) for item in everything):
+            sections.append(section)
+    if not sections:
         hint = did_you_mean(label, labels)
         raise DefinitionError(f"nothing in the paper '{paper.name}' is labelled '{label}'{hint}")
-    return found
+    return sections
 
 
 def _label_of(paper: Paper, title: str) -> str | None:
@@ -140,16 +140,16 @@ def audit_section(
     work = Work(section, formulas_by_label([section]) if labels is None else labels)
     done: list[tuple[AuditItem, list[Examination]]] = []
     for item in items(work.transcript):
-        found = shelf.load(item.ordinal) if shelf is not None else None
-        if found is None:
-            found = work.examine(item)
+        examinations = shelf.load(item.ordinal) if shelf is not None else None
+        if examinations is None:
+            examinations = work.examine(item)
             if shelf is not None:
-                shelf.store(item.ordinal, found)
-        done.append((item, found))
+                shelf.store(item.ordinal, examinations)
+        done.append((item, examinations))
         if progress is not None:
-            progress(item.designation, worst(e.record.verdict for e in found))
-    everything = [e for _, found in done for e in found]
-    return tuple(_record(section, item, found, everything) for item, found in done)
+            progress(item.designation, worst(e.record.verdict for e in examinations))
+    everything = [e for _, examinations in done for e in examinations]
+    return tuple(_record(section, item, examinations, everything) for item, examinations in done)
 
 
 def items(transcript: Transcript) -> Iterator[AuditItem]:
@@ -197,14 +197,14 @@ class Work:
     @cached_property
     def bench(self) -> SectionContext:
         """The dictionaries, with the names that the section defines."""
-        found = self.studies or call_hook(self.section.studies, self.transcript)
+        dictionaries = self.studies or call_hook(self.section.studies, self.transcript)
         where = f"section '{self.section.title}'"
-        if not isinstance(found, Mapping) or not found:
+        if not isinstance(dictionaries, Mapping) or not dictionaries:
             raise DefinitionError(f"{where}: 'studies' must return a dict of name -> Study")
-        for name, study in found.items():
+        for name, study in dictionaries.items():
             if not isinstance(study, Study):
                 raise DefinitionError(f"{where}: the study '{name}' is a {type(study).__name__}")
-        studies = {n: _with_definitions(s, self.transcript) for n, s in found.items()}
+        studies = {n: _with_definitions(s, self.transcript) for n, s in dictionaries.items()}
         bench = SectionContext(self.transcript, studies, self.labels, self.corrects, self.prints)
         bench.refuse_unknown(where)
         return bench
@@ -234,7 +234,7 @@ class Work:
 
 def _with_definitions(study: Study, transcript: Transcript) -> Study:
     """Add the names that the section defines."""
-    found: dict[str, Any] = {}
+    definitions: dict[str, Any] = {}
     for formula in transcript.formulas():
         if formula.display.check(formula.position).role != "definition":
             continue
@@ -243,9 +243,9 @@ def _with_definitions(study: Study, transcript: Transcript) -> Study:
         except DefinitionError:
             continue  # reported where the formula gets its verdict
         for key, node in definitions_in(chain, study).items():
-            if key not in found and not _circular(key, node, found):
-                found[key] = node
-    return study.join(found)
+            if key not in definitions and not _circular(key, node, definitions):
+                definitions[key] = node
+    return study.join(definitions)
 
 
 def _circular(key: str, node: Any, found: Mapping[str, Any]) -> bool:

@@ -46,10 +46,10 @@ class PrintedClaim:
 
 def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
     """The formulas of a paper as they are read with a dictionary, its definitions in words too."""
-    found: list[PrintedClaim] = []
+    claims: list[PrintedClaim] = []
     for number, section in enumerate(document.sections):
         for display in section.displays:
-            found += claims_in(document, number, display, study)
+            claims += claims_in(document, number, display, study)
     for sentence in document.sentences:
         for match in _DEFINES.finditer(sentence.words):
             numbers = [n for n in match.groups() if n is not None]
@@ -57,8 +57,8 @@ def claims_of(document: Document, study: Study) -> list[PrintedClaim]:
             made = claim_in_words(document, sentence, f"${name}={value}$", study)
             parts = made.chain.parts if made is not None and made.chain else ()
             if len(parts) == 2 and isinstance(parts[0], Name) and not isinstance(parts[1], Name):
-                found += [made] if made and key_of(parts[0]) not in study.table else []
-    return found
+                claims += [made] if made and key_of(parts[0]) not in study.table else []
+    return claims
 
 
 _DEFINES = re.compile(
@@ -83,8 +83,8 @@ def claim_in_words(
     display = PrintedDisplay(marked, "text", "", before, after, sentence.number)
     titles = [section.title for section in document.sections]
     section = titles.index(sentence.section) if sentence.section in titles else 0
-    found = [*claims_in(document, section, display, study)]
-    return found[0] if len(found) == 1 else None
+    claims = [*claims_in(document, section, display, study)]
+    return claims[0] if len(claims) == 1 else None
 
 
 _WITH_ARGUMENTS = re.compile(
@@ -97,14 +97,16 @@ r"""A letter with its arguments on a left side, ``M(q) = ...``."""
 
 def applied_letters(document: Document, study: Study) -> set[str]:
     """The letters that the paper defines with their arguments, and the system does not have."""
-    found = set()
+    letters = set()
     printed = [source_of(p, unit.display) for d in document.displays for _, unit, p in d.formulas]
     for match in filter(None, map(_WITH_ARGUMENTS.match, printed)):
         name = value_or_none(study.tree, match["name"])
         plain = any(re.match(re.escape(match["name"].strip()) + r"\s*=", text) for text in printed)
-        own = isinstance(name, Name) and key_of(name) not in study.table
-        found |= {name.head} if own and not plain and match["first"].strip() != "t" else set()
-    return found
+        undeclared = isinstance(name, Name) and key_of(name) not in study.table
+        letters |= (
+            {name.head} if undeclared and not plain and match["first"].strip() != "t" else set()
+        )
+    return letters
 
 
 def claims_in(

@@ -144,5 +144,5 @@ def designation_of(label: str | None, kind: str, ordinal: int) -> str:
 
 def worst(verdicts: Iterable[str]) -> str:
     """The worst of some verdicts."""
-    found: Sequence[str] = list(verdicts)
-    return max(found, key=VERDICTS.index) if found else "undecided"
+    listed: Sequence[str] = list(verdicts)
+    return max(listed, key=VERDICTS.index) if listed else "undecided"

@@ -102,14 +102,14 @@ class Sentence:
         pattern = "".join(
             p.pattern if isinstance(p, Slot) else re.escape(_single(p)) for p in self._parts
         )
-        found = re.fullmatch(pattern, words)
-        if found is None:
+        match = re.fullmatch(pattern, words)
+        if match is None:
             start = _common(words, _single(self._plain_text))
             raise DefinitionError(
                 f"it reads '{words[max(0, start - EXCERPT // 2) : start + EXCERPT]}', which is not "
                 "the sentence that is decided here"
             )
-        return {slot.name: slot.read(found[slot.name], labels) for slot in self.slots}
+        return {slot.name: slot.read(match[slot.name], labels) for slot in self.slots}
 
     def _agree(self, decide: Callable[..., Any]) -> None:
         """Refuse a decision that does not make use of every slot."""

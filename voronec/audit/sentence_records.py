@@ -32,10 +32,10 @@ class SentenceJudge:
     def records(self, sentence: PrintedSentence) -> Iterator[tuple[str, FormulaRecord]]:
         """The records of a sentence: of its claims, or one that says that it is not audited."""
         quoted = str(sentence)
-        found = claims_in_words(sentence, partial(self._density, sentence), self._side)
-        if not found:
+        claims = claims_in_words(sentence, partial(self._density, sentence), self._side)
+        if not claims:
             yield quoted, FormulaRecord("", "unaudited", "no pattern reads it", says=quoted)
-        for claim in found:
+        for claim in claims:
             record = self._judge_words(sentence, claim)
             if record.verdict == "misprint" and not claim.alone:
                 doubt = "false in general, where its sentence says more than this"
@@ -72,5 +72,5 @@ class SentenceJudge:
 
     def _side(self, label: str) -> str:
         """The last side of the formula with a number, empty where there are several or none."""
-        found = [c.formula.printed for c in self.judge.claims if c.display.number == label]
-        return last_side(found[0]) if len(found) == 1 else ""
+        formulas = [c.formula.printed for c in self.judge.claims if c.display.number == label]
+        return last_side(formulas[0]) if len(formulas) == 1 else ""

@@ -39,10 +39,10 @@ class Quoted:
 
     def tree(self, study: Study) -> Chain:
         """The one formula; ``DefinitionError`` where there are more, or none."""
-        found = self.trees(study)
-        if len(found) != 1:
-            raise DefinitionError(f"'{self.latex}' holds {len(found)} formulas, not one")
-        return found[0]
+        chains = self.trees(study)
+        if len(chains) != 1:
+            raise DefinitionError(f"'{self.latex}' holds {len(chains)} formulas, not one")
+        return chains[0]
 
 
 @dataclass(frozen=True)
@@ -161,23 +161,23 @@ def _is_affirmed(printed: str, _: Labels) -> bool:
 def _names(printed: str, _: Labels) -> tuple[str, ...]:
     """The names of a list, without spaces; ``and`` or a comma stands between them."""
     inner = re.sub(r"\$\s*(?:,|and|,\s*and)\s*\$", ",", printed).strip("$")
-    found = tuple(tight(name) for name in _at_commas(inner))
-    twice = [name for name in dict.fromkeys(found) if found.count(name) > 1]
+    names = tuple(tight(name) for name in _at_commas(inner))
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
         raise DefinitionError(f"'{printed}' names {twice[0]} twice")
-    return found
+    return names
 
 
 def _at_commas(text: str) -> list[str]:
     """What stands between commas outside braces and parentheses."""
-    found, depth = [""], 0
+    pieces, depth = [""], 0
     for letter in text:
         depth += (letter in "{([") - (letter in "})]")
         if letter == "," and not depth:
-            found.append("")
+            pieces.append("")
         else:
-            found[-1] += letter
-    return found
+            pieces[-1] += letter
+    return pieces
 
 
 def tight(latex: str) -> str:
@@ -189,10 +189,10 @@ _INTERVAL = re.compile(r"\$(?:(.+?)\s*\\in\s*)?([(\[])(.+),(.+)([)\]])\$")
 
 
 def _interval(printed: str, _: Labels) -> Interval:
-    found = _INTERVAL.fullmatch(printed)
-    if found is None:
+    match = _INTERVAL.fullmatch(printed)
+    if match is None:
         raise DefinitionError(f"'{printed}' is no interval; it reads '$x\\in (a,b)$'")
-    name, opens, low, high, closes = found.groups()
+    name, opens, low, high, closes = match.groups()
     return Interval(tight(name or ""), tight(low), tight(high), (opens == "[", closes == "]"))
 
 

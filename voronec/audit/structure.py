@@ -76,15 +76,15 @@ def marks(node: Any, study: Study, index: bool) -> set[str]:
 
     What stands as an index in a name that the dictionary has as a whole is no index.
     """
-    found: set[str] = set()
+    keys: set[str] = set()
     if isinstance(node, tuple):
-        return found.union(*(marks(item, study, index) for item in node))
+        return keys.union(*(marks(item, study, index) for item in node))
     if isinstance(node, Name):
         inside = () if key_of(node) in study.table else (*node.sub, *node.sup)
         return mentions(Listing(inside, "(")) if index else {key_of(node)}
     if hasattr(node, "at"):
-        return found.union(*(marks(value, study, index) for value in vars(node).values()))
-    return found
+        return keys.union(*(marks(value, study, index) for value in vars(node).values()))
+    return keys
 
 
 def bare_letter(name: Name) -> str:
@@ -113,19 +113,19 @@ def whole_name(part: Node, study: Study) -> str | None:
 
 def definitions_in(chain: Chain, study: Study) -> dict[str, Node]:
     """The names that a chain of equalities defines, each with the part that defines it."""
-    found: dict[str, Node] = {}
+    definitions: dict[str, Node] = {}
     for (left, right), relation in zip(pairwise(chain.parts), chain.relations, strict=True):
         for part, other in ((left, right), (right, left)):
             key = whole_name(part, study)
             if key is not None and relation == "=":
-                found.setdefault(key, other)
-    return found
+                definitions.setdefault(key, other)
+    return definitions
 
 
 def new_names(chain: Chain, study: Study) -> set[str]:
     """The names that this formula, and no earlier one, defines."""
-    found = definitions_in(chain, study)
-    return {key for key, node in found.items() if study.defined.get(key, node) == node}
+    definitions = definitions_in(chain, study)
+    return {key for key, node in definitions.items() if study.defined.get(key, node) == node}
 
 
 def holds_always(left: Node, right: Node) -> bool:

@@ -249,17 +249,17 @@ class Study:
     @cached_property
     def table(self) -> dict[str, Any]:
         """Values by canonical key."""
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         spelled: dict[str, str] = {}
         for name, value in self.names.items():
             key = self.key(self.tree(name))
-            if key in found:
+            if key in values:
                 raise DefinitionError(
                     f"the names '{spelled[key]}' and '{name}' of the study are the same to the "
                     "reader; keep one of them"
                 )
-            found[key], spelled[key] = value, name
-        return found
+            values[key], spelled[key] = value, name
+        return values
 
     def tree(self, name: str) -> Node:
         """The tree of a key of ``names``."""
@@ -295,16 +295,16 @@ class Study:
     @cached_property
     def spelling(self) -> dict[Any, str]:
         """Symbols (and applied unknown functions) -> their LaTeX name in the paper."""
-        found: dict[Any, str] = {}
+        spellings: dict[Any, str] = {}
         for name, value in self.names.items():
             for latex, entry in self._members(name, value):
                 if isinstance(entry, (sp.Symbol, sp.core.function.AppliedUndef)):
-                    found.setdefault(entry, latex)
-        for symbol in [x for x in found if isinstance(x, sp.Symbol)]:
+                    spellings.setdefault(entry, latex)
+        for symbol in [x for x in spellings if isinstance(x, sp.Symbol)]:
             for order in ("\\dot", "\\ddot"):
                 dotted = velocity(symbol) if order == "\\dot" else velocity(velocity(symbol))
-                found.setdefault(dotted, _dot_name(order, found[symbol]))
-        return found
+                spellings.setdefault(dotted, _dot_name(order, spellings[symbol]))
+        return spellings
 
     def _members(self, name: str, value: Any) -> Iterator[tuple[str, Any]]:
         if not callable(value) or isinstance(value, sp.Basic):

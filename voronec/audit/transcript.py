@@ -41,24 +41,24 @@ class Transcript:
 
     def indices(self, study: Study) -> tuple[str, ...]:
         """Every subscript that the section prints with an index letter in it, each once."""
-        found: dict[str, None] = {}
+        subscripts: dict[str, None] = {}
         for formula in self.formulas():
             words = formula.piece.tokens
             for start, end in script_ranges(words):
                 if {w.text for w in words[start:end]} & set(study.indices):
                     a, b = words[start].start, words[end - 1].end
-                    found.setdefault(formula.unit.display[a:b])
-        return tuple(found)
+                    subscripts.setdefault(formula.unit.display[a:b])
+        return tuple(subscripts)
 
 
 def formulas_by_label(sections: Iterable[Section]) -> dict[str, list[Formula]]:
     """The formulas of what bears a number, by its label."""
-    found: dict[str, list[Formula]] = {}
+    labelled: dict[str, list[Formula]] = {}
     for section in sections:
         for formula in Transcript(section).formulas():
             if formula.unit.label is not None:
-                found.setdefault(formula.unit.label, []).append(formula)
-    return found
+                labelled.setdefault(formula.unit.label, []).append(formula)
+    return labelled
 
 
 def assignments(chain: Chain, study: Study) -> list[dict[str, int]]:

@@ -110,13 +110,13 @@ def _compare_chain(chain: Chain, check: Check, study: Study) -> FormulaOutcome:
 
 def _order_verdict(gaps: Sequence[tuple[Any, str, Any]], where: Range) -> Verdict:
     """Whether all inequalities hold in a range; the first that does not decides."""
-    found = []
+    verdicts = []
     for left, relation, right in gaps:
         a, b = (as_expression(side).xreplace(dict(where.values)) for side in (left, right))
-        found.append(prove_inequality(a, relation, b, where.positive, where.real))
-        if not found[-1].proved:
-            return found[-1]
-    return found[0]
+        verdicts.append(prove_inequality(a, relation, b, where.positive, where.real))
+        if not verdicts[-1].proved:
+            return verdicts[-1]
+    return verdicts[0]
 
 
 def _equal(comparison: FormulaComparison, check: Check, study: Study) -> Verdict:

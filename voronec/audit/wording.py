@@ -125,13 +125,13 @@ def _range(where: Range, verdict: Any) -> dict[str, Any]:
 
 def _place_witness(witness: Witness, where: Range) -> dict[str, Any]:
     """A witness with the values of the paper's own parameters at its point."""
-    found = _values(witness)
-    known = {sp.Symbol(name): sp.Rational(v) for name, v in found["point"].items() if _exact(v)}
+    record = _values(witness)
+    known = {sp.Symbol(name): sp.Rational(v) for name, v in record["point"].items() if _exact(v)}
     for parameter, value in where.values.items():
         plain = value.xreplace({x: sp.Symbol(x.name) for x in value.free_symbols}).xreplace(known)
-        if plain.is_Rational and str(parameter) not in found["point"]:
-            found["point"] = {str(parameter): str(plain), **found["point"]}
-    return found
+        if plain.is_Rational and str(parameter) not in record["point"]:
+            record["point"] = {str(parameter): str(plain), **record["point"]}
+    return record
 
 
 def _exact(value: str) -> bool:
@@ -148,12 +148,12 @@ def witness_of(finding: FormulaOutcome) -> dict[str, Any] | None:
     comparison, witness = finding.comparison, finding.verdict.witness
     if witness is None:
         return None
-    found = _values(witness)
+    record = _values(witness)
     if comparison is not None and comparison.where:
-        found["indices"] = {letter.lstrip("\\"): i for letter, i in comparison.where.items()}
+        record["indices"] = {letter.lstrip("\\"): i for letter, i in comparison.where.items()}
     if comparison is not None and comparison.about:
-        found["about"] = comparison.about
-    return found
+        record["about"] = comparison.about
+    return record
 
 
 def _plain(name: str) -> str:
@@ -373,9 +373,9 @@ def _meanings(used: set[str], study: Study) -> Iterator[tuple[str, sp.Expr]]:
 def _eliminable(meaning: sp.Expr, shown: set[Any], study: Study) -> Any | None:
     """A constant, linear in the meaning, that the formula itself does not show."""
     moving = set(study.motion.rates) | set(study.motion.constrained)
-    found = sorted(meaning.free_symbols - moving - shown, key=str)
-    linear = [x for x in found if sp.diff(meaning, x, 2) == 0]
-    return (linear or found or [None])[0]
+    constants = sorted(meaning.free_symbols - moving - shown, key=str)
+    linear = [x for x in constants if sp.diff(meaning, x, 2) == 0]
+    return (linear or constants or [None])[0]
 
 
 def _plain_symbols(value: sp.Expr, study: Study) -> tuple[sp.Expr, dict[Any, str]]:

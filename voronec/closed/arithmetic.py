@@ -45,10 +45,10 @@ def exact(value: Any) -> Any:
     if hasattr(value, "_mpf_"):
         return _rational(value._mpf_)
     expr = as_expression(value)
-    found = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
+    replacements = {x: _rational(x._mpf_) for x in expr.atoms(sp.Float)}
     if expr.has(sp.I):
-        found |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}
-    return expr.xreplace(found)
+        replacements |= {e: _turn(e) for e in expr.atoms(sp.Mul) if sp.I in e.args}
+    return expr.xreplace(replacements)
 
 
 def _turn(expr: Any) -> Any:
@@ -117,9 +117,9 @@ def root(x: Any) -> Any:
 
     if isinstance(x, acb):
         return x.sqrt()
-    found = x.sqrt()
-    if found.is_finite() or x < 0:
-        return found
+    enclosure = x.sqrt()
+    if enclosure.is_finite() or x < 0:
+        return enclosure
     return arb(0).union(x.abs_upper().sqrt())
 
 
@@ -174,8 +174,8 @@ def _in_one_angle(value: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
 
 def _outer_root(value: sp.Expr) -> Any:
     """A square root that is in no other one, of a number that is not rational if there is one."""
-    found = {sp.sqrt(p.base) for p in value.atoms(sp.Pow) if _half(p)}
-    free = [r for r in found if not any(r is not s and s.has(r) for s in found)]
+    roots = {sp.sqrt(p.base) for p in value.atoms(sp.Pow) if _half(p)}
+    free = [r for r in roots if not any(r is not s and s.has(r) for s in roots)]
     return min(free, key=lambda r: (r.base.is_Rational is True, sp.default_sort_key(r)),
                default=None)  # fmt: skip
 

@@ -63,14 +63,14 @@ def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True)
     wide: list[str] = []
     while bits <= MOST:
         with precise(bits):
-            found = (
+            state = (
                 _state_at_rest(form, t, bits, whole) if form.rests
                 else _state_in_motion(form, t, digits + 5, bits, whole)
             )  # fmt: skip
             least = ball(10) ** -digits
-            wide = [name for name, x in found.items() if not (x.is_finite() and x.rad() < least)]
+            wide = [name for name, x in state.items() if not (x.is_finite() and x.rad() < least)]
         if not wide:
-            return found
+            return state
         bits *= 2
     if not wide:
         most = int((MOST - GUARD) / 3.33)
@@ -84,35 +84,37 @@ def enclose_state(form: InvertedMotion, t: Any, digits: int, whole: bool = True)
 def _state_in_motion(
     form: InvertedMotion, t: Any, digits: int, bits: int, whole: bool
 ) -> dict[str, Any]:
-    own, problem = form.problem.prepared, form.problem
+    compiled, problem = form.problem.prepared, form.problem
     digits = max(digits, int((bits - GUARD) / 3.33))
     timed = form.quadratures.clock != 1
     at = clock_of(form).moment(t, digits) if timed else form.solution.enclose(t, digits)
     table, x = problem.table(bits), at.x
-    shares = list(_shares(table, len(own.poles), at))
-    pace = ratios(own)[-1].value(problem, x, bits) if timed else ball(1)
-    rates = [rate / pace for rate in _rates(own, table, shares, x)[: len(own.motion.angles)]]
-    angles = dict(zip(own.motion.angles, form.begin(bits), strict=True))
-    found = {own.motion.meaning: x}
-    found |= {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
+    shares = list(_shares(table, len(compiled.poles), at))
+    pace = ratios(compiled)[-1].value(problem, x, bits) if timed else ball(1)
+    rates = [
+        rate / pace for rate in _rates(compiled, table, shares, x)[: len(compiled.motion.angles)]
+    ]
+    angles = dict(zip(compiled.motion.angles, form.begin(bits), strict=True))
+    coordinates = {compiled.motion.meaning: x}
+    coordinates |= {q: a + at.integrals[j] for j, (q, a) in enumerate(angles.items())}
     values = [*problem.level(bits), x, at.rate / pace]
-    for i, trace in enumerate(own.motion.traces):
+    for i, trace in enumerate(compiled.motion.traces):
         south, north, cosine, fall = (_values_at_ratio if timed else _straight)(
             form, table, i, at, bits
         )
         side, turns = form.branch(i)
         colatitude = 2 * angle(root(south), root(north))
-        found[trace.colatitude] = side * colatitude + 2 * turns * ball(1).pi()
+        coordinates[trace.colatitude] = side * colatitude + 2 * turns * ball(1).pi()
         sine = side * root(south * north)
         values += [sine, cosine, -fall * at.rate / (sine * pace)]
     values += rates
-    values += [found[q] for q in reading_of(own).coordinates]
+    values += [coordinates[q] for q in reading_of(compiled).coordinates]
     values += _polynomials(form, x, bits)
     if form.attitude is not None and not form.attitude.upright:
-        found |= _turn_back(form, found, exact_time(t), bits, whole)
-    if own.motion.plane is not None:
-        found |= place_on_plane(form, table, at.integrals, x, bits)
-    return _name_values(form, found, _velocities(own, values))
+        coordinates |= _turn_back(form, coordinates, exact_time(t), bits, whole)
+    if compiled.motion.plane is not None:
+        coordinates |= place_on_plane(form, table, at.integrals, x, bits)
+    return _name_values(form, coordinates, _velocities(compiled, values))
 
 
 def _straight(
@@ -142,46 +144,46 @@ def _values_at_ratio(
 
 
 def _state_at_rest(form: InvertedMotion, t: Any, bits: int, whole: bool) -> dict[str, Any]:
-    problem, own = form.problem, form.problem.prepared
-    time, given = exact_time(t), dict(zip(own.inputs, problem.start_balls(bits), strict=True))
-    found = {q: given[q] for q in own.system.coordinates}
+    problem, compiled = form.problem, form.problem.prepared
+    time, given = exact_time(t), dict(zip(compiled.inputs, problem.start_balls(bits), strict=True))
+    coordinates = {q: given[q] for q in compiled.system.coordinates}
     turned = form.attitude is not None and not form.attitude.upright
-    for q, rate in zip(own.system.coordinates, steady_rates(form, bits), strict=True):
-        found[q] = found[q] + rate * time
+    for q, rate in zip(compiled.system.coordinates, steady_rates(form, bits), strict=True):
+        coordinates[q] = coordinates[q] + rate * time
     if form.wheels:
-        found |= rolled_in_balls(form, time, bits)
+        coordinates |= rolled_in_balls(form, time, bits)
     if turned and form.attitude is not None:
         motion = _rotation_about(form.attitude.spin(bits), time)
         frame = product(form.attitude.start(bits)[0], motion)
-        found |= _read(form, frame, None, time, bits, whole)
-    return _name_values(form, found, _velocities_at_rest(form, found, given, bits))
+        coordinates |= _read(form, frame, None, time, bits, whole)
+    return _name_values(form, coordinates, _velocities_at_rest(form, coordinates, given, bits))
 
 
 def _velocities_at_rest(
     form: InvertedMotion, found: dict[Any, Any], given: dict[Any, Any], bits: int
 ) -> Any:
     """The velocities where the variable rests: constant, if they hold no moving coordinate."""
-    own = form.problem.prepared
-    if not reading_of(own).coordinates:
-        return [given[v] for v in own.system.velocities]
-    return _velocities(own, resting_values(form, found, bits))
+    compiled = form.problem.prepared
+    if not reading_of(compiled).coordinates:
+        return [given[v] for v in compiled.system.velocities]
+    return _velocities(compiled, resting_values(form, found, bits))
 
 
 def place_on_plane(
     form: InvertedMotion, table: list[Any], integrals: Any, x: Any, bits: int
 ) -> dict[Any, Any]:
     """The place on a plane: along and across a constant direction."""
-    plane, own = form.quadratures.plane, form.problem.prepared
+    plane, compiled = form.quadratures.plane, form.problem.prepared
     assert plane is not None
     start, moved = form.problem.place(bits), []
     for i in range(2):
-        a, b, c = table[own.slope_at + 3 * i : own.slope_at + 3 * i + 3]
+        a, b, c = table[compiled.slope_at + 3 * i : compiled.slope_at + 3 * i + 3]
         rest = (x - start) * (a + b * (x + start) / 2 + c * (x * x + x * start + start * start) / 3)
         for place, residues in form.problem.others(bits):
-            residue = residues[len(own.rates) + i]
+            residue = residues[len(compiled.rates) + i]
             if not isinstance(residue, int):
                 rest += acb(residue * acb((x - place) / (start - place)).log()).real
-        moved.append(integrals[len(own.motion.angles) + i] + rest)
+        moved.append(integrals[len(compiled.motion.angles) + i] + rest)
     return plane.at([form.exact(q)(bits) for q in plane.place], form.direction(bits), moved)
 
 
@@ -198,14 +200,14 @@ def _read(
     form: InvertedMotion, frame: list[Any], upright: Any, time: Any, bits: int, whole: bool
 ) -> dict[Any, Any]:
     """Coordinates off the frame in space, on the branches on which they start."""
-    own = form.attitude
-    assert own is not None
-    plain = own.machines[1](frame)
-    found = own.shift_to_branch(plain, bits)
+    attitude = form.attitude
+    assert attitude is not None
+    plain = attitude.machines[1](frame)
+    coordinates = attitude.shift_to_branch(plain, bits)
     if whole:
-        read = dict(zip(own.coordinates, plain, strict=True))
-        found |= winding_of(form).continuous(time, upright, read, bits)
-    return found
+        read = dict(zip(attitude.coordinates, plain, strict=True))
+        coordinates |= winding_of(form).continuous(time, upright, read, bits)
+    return coordinates
 
 
 def _shares(table: list[Any], count: int, at: Any) -> Iterator[Any]:
@@ -218,22 +220,22 @@ def _shares(table: list[Any], count: int, at: Any) -> Iterator[Any]:
 
 
 def _rates(own: Any, table: list[Any], shares: list[Any], x: Any) -> list[Any]:
-    found, first = [], 5 + 2 * len(shares)
+    rates, first = [], 5 + 2 * len(shares)
     for j, row in enumerate(own.shares):
         a, b, c = table[first + 3 * j : first + 3 * j + 3]
         rate = a + x * (b + x * c)
         for share, part in zip(row, shares, strict=True):
             if share:
                 rate += share * part
-        found.append(rate)
-    return found
+        rates.append(rate)
+    return rates
 
 
 def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) -> list[Any]:
     """Values of the symbols of a ``Reading`` where the variable rests, with coordinates that have
     moved."""
-    own, x = form.problem.prepared, form.problem.place(bits)
-    read, values = reading_of(own), [*form.problem.level(bits), x, ball(0)]
+    compiled, x = form.problem.prepared, form.problem.place(bits)
+    read, values = reading_of(compiled), [*form.problem.level(bits), x, ball(0)]
     rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     with precise(bits):
         for trace in form.quadratures.traces:
@@ -246,12 +248,12 @@ def resting_values(form: InvertedMotion, moved: Mapping[Any, Any], bits: int) ->
 
 def _polynomials(form: InvertedMotion, x: Any, bits: int) -> list[Any]:
     """The polynomials in x that velocities hold."""
-    own = form.problem.prepared
-    kept = reading_of(own).polynomials
+    compiled = form.problem.prepared
+    kept = reading_of(compiled).polynomials
     if not kept:
         return []
-    symbols = (*own.level, own.motion.x)
-    function = own.memo.once(
+    symbols = (*compiled.level, compiled.motion.x)
+    function = compiled.memo.once(
         "polynomials of velocities", lambda: compile_expressions(kept, symbols)
     )
     return function([*form.problem.level(bits), x])

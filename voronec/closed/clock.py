@@ -61,10 +61,10 @@ class MotionIntegral:
 
     @cached_property
     def _parts(self) -> list[tuple[Bernstein, Bernstein]]:
-        own = self.form.problem.prepared
-        pairs = [sp.fraction(e) for e in sp.Add.make_args(own.rates[self.j])]
-        return [(Polynomial.of(p, own).bernstein(self.form),
-                 Polynomial.of(q, own).bernstein(self.form)) for p, q in pairs]  # fmt: skip
+        compiled = self.form.problem.prepared
+        pairs = [sp.fraction(e) for e in sp.Add.make_args(compiled.rates[self.j])]
+        return [(Polynomial.of(p, compiled).bernstein(self.form),
+                 Polynomial.of(q, compiled).bernstein(self.form)) for p, q in pairs]  # fmt: skip
 
     def _rate(self, taus: np.ndarray) -> np.ndarray:
         sample = Sample.of(self.form.solution, taus)
@@ -274,14 +274,14 @@ class Clock:
         """A ball that holds all values of the clock, from the numbers b_k of both polynomials."""
         constants = self.form.solution.constants(bits)
         ratio = ratios(self.form.problem.prepared)[-1]
-        found = []
+        bounds = []
         for part in (ratio.above, ratio.below):
             row = inner(part.row(self.form.problem, bits), constants)
             total = row[0]
             for b in row[1:]:
                 total = total.union(b)
-            found.append(total)
-        value = found[0] / found[1]
+            bounds.append(total)
+        value = bounds[0] / bounds[1]
         if not value > 0:
             raise EngineLimit("the clock of the motion could not be shown to be positive")
         return value
@@ -295,19 +295,19 @@ def clock_of(form: InvertedMotion) -> Clock:
 def pieces(value: Any) -> list[float]:
     """Doubles whose sum is the number: the first three short, so that products with whole numbers
     below 2^27, and such times a power of two, are exact."""
-    found, rest = _short_pieces(value, 3)
-    return [*found, float(rest)]
+    doubles, rest = _short_pieces(value, 3)
+    return [*doubles, float(rest)]
 
 
 def _short_pieces(value: Any, count: int) -> tuple[list[float], Any]:
     """So many doubles of few bits that make up most of a number, and what is left of it."""
-    found, rest = [], value
+    doubles, rest = [], value
     for _ in range(count):
         size = float(rest)
         unit = 2.0 ** (np.frexp(size)[1] - PIECE) if size else 1.0
-        found.append(round(size / unit) * unit)
-        rest = rest - ball(found[-1])
-    return found, rest
+        doubles.append(round(size / unit) * unit)
+        rest = rest - ball(doubles[-1])
+    return doubles, rest
 
 
 def whole_turns_off(rate: Any, grid: np.ndarray) -> np.ndarray:
@@ -369,14 +369,14 @@ def sample_in_own_time(
             f"system '{form.system.name}': a motion in a time of its own is not turned in space"
         )
     seen = PeriodGrid(form, grid.ravel(), whole)
-    found: dict[str, np.ndarray] = {}
+    state: dict[str, np.ndarray] = {}
     coordinates = {plain_name(q): q for q in form.system.coordinates}
     for name in names:
         if name in coordinates:
-            found[name] = seen.value(coordinates[name])
+            state[name] = seen.value(coordinates[name])
     if {*names} - {*coordinates}:
-        found |= seen.velocities()
-    return {name: x.reshape(grid.shape) for name, x in found.items()}
+        state |= seen.velocities()
+    return {name: x.reshape(grid.shape) for name, x in state.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -408,24 +408,24 @@ class PeriodGrid:
         """An integral since the start, or, of an angle, less whole turns that nobody asks for."""
         advances = self.form.solution.constants(FINE).advances
         count, summed = self._instants[0], clock_of(self.form).sums[j]
-        found = summed.at(self._instants[1]) if summed.is_needed else self.sample.integral(j)
+        total = summed.at(self._instants[1]) if summed.is_needed else self.sample.integral(j)
         if advances is None or not count.any():
-            return np.asarray(found)
+            return np.asarray(total)
         with precise(FINE):
             advance = advances[j]
             if not whole:
-                return np.asarray(found + TURN * whole_turns_off(advance, count))
+                return np.asarray(total + TURN * whole_turns_off(advance, count))
             parts = pieces(advance)
         for part in reversed(parts):
-            found = found + count * part
-        return np.asarray(found)
+            total = total + count * part
+        return np.asarray(total)
 
     def value(self, q: Any) -> np.ndarray:
         """A coordinate as it is asked for."""
-        found = self.coordinate(q, self.whole)
+        coordinate = self.coordinate(q, self.whole)
         if self.whole or q in self.form.quadratures.lengths:
-            return found
-        return np.asarray(found - TURN * np.ceil(found / TURN - 0.5))
+            return coordinate
+        return np.asarray(coordinate - TURN * np.ceil(coordinate / TURN - 0.5))
 
     def coordinate(self, q: Any, whole: bool) -> np.ndarray:
         """The variable, a colatitude, an angle that is an integral, or a place."""
@@ -472,7 +472,7 @@ class PeriodGrid:
 
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations."""
-        form, own, x = self.form, self.form.problem.prepared, self.sample.x
+        form, compiled, x = self.form, self.form.problem.prepared, self.sample.x
         clock, angles = clock_of(form), len(form.quadratures.angles)
         pace = clock.paces(self.sample)
         values: list[Any] = [*(float(c) for c in form.problem.level(FINE)), x]
@@ -487,9 +487,9 @@ class PeriodGrid:
             rates = rounded_constants(form).rates(self.sample, self._ends)
             values += [rate / pace for rate in rates[:angles]]
             # less whole turns: the sines of late angles lose nothing
-            values += [self.coordinate(q, False) for q in reading_of(own).coordinates]
+            values += [self.coordinate(q, False) for q in reading_of(compiled).coordinates]
             values += [self._evaluate(p) for p in rounded_constants(form).polynomials]
-            found = velocities_in_doubles(own)(*values)
+            rows = velocities_in_doubles(compiled)(*values)
         names = map(plain_name, form.system.velocities)
         return {n: np.broadcast_to(e, self.grid.shape).astype(float)
-                for n, e in zip(names, found, strict=True)}  # fmt: skip
+                for n, e in zip(names, rows, strict=True)}  # fmt: skip

@@ -131,23 +131,23 @@ def _where_it_rests(
 ) -> dict[str, np.ndarray]:
     """Coordinates and velocities; angles continuous (``whole``) or modulo a turn."""
     system, given = form.system, form.problem.start_by_symbol(SHARP)
-    straight, found = form.quadratures.lengths, {}
+    straight, state = form.quadratures.lengths, {}
     for q, rate in zip(system.coordinates, steady_rates(form, SHARP), strict=True):
         if whole or q in straight:
-            found[plain_name(q)] = float(given[q]) + float(rate) * grid
+            state[plain_name(q)] = float(given[q]) + float(rate) * grid
         else:
             with precise(SHARP):
                 turn = less_turns(given[q])
-            found[plain_name(q)] = 2 * np.pi * whole_turns_off(rate, grid) + turn
+            state[plain_name(q)] = 2 * np.pi * whole_turns_off(rate, grid) + turn
     if form.wheels:
-        found |= {plain_name(q): x for q, x in place_on_grid(form, grid).items()}
-    found |= _steady_velocities(form, grid, given)
-    own = form.attitude
-    in_space = {plain_name(q) for q in own.coordinates} if own is not None else set()
-    if own is not None and not own.upright and in_space & {*names}:
-        start = np.array([float(e) for e in own.start(SHARP)[0]]).reshape(3, 3)
-        found |= _read_frame(form, _frames(start, own.spin(SHARP), grid), grid, names, whole)
-    return found
+        state |= {plain_name(q): x for q, x in place_on_grid(form, grid).items()}
+    state |= _steady_velocities(form, grid, given)
+    attitude = form.attitude
+    in_space = {plain_name(q) for q in attitude.coordinates} if attitude is not None else set()
+    if attitude is not None and not attitude.upright and in_space & {*names}:
+        start = np.array([float(e) for e in attitude.start(SHARP)[0]]).reshape(3, 3)
+        state |= _read_frame(form, _frames(start, attitude.spin(SHARP), grid), grid, names, whole)
+    return state
 
 
 def _steady_velocities(
@@ -304,23 +304,23 @@ def sample_coordinates(
     """Coordinates and velocities at times; angles continuous (``whole``) or in (-pi, pi]."""
     given = doubles(times, "times")
     grid = given.ravel()
-    found = (
+    state = (
         _state_at_rest(form, grid, names, whole)
         if form.rests
         else _state_in_motion(form, grid, names, whole)
     )
-    return {name: found[name].reshape(given.shape) for name in names}
+    return {name: state[name].reshape(given.shape) for name in names}
 
 
 def _state_at_rest(
     form: InvertedMotion, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
-    found = _where_it_rests(form, grid, names, whole)
+    state = _where_it_rests(form, grid, names, whole)
     if whole:
-        return found
+        return state
     straight = form.quadratures.lengths
     turning = {plain_name(q) for q in form.system.coordinates if q not in straight}
-    return {n: _wrap_angle(x) if n in turning else x for n, x in found.items()}
+    return {n: _wrap_angle(x) if n in turning else x for n, x in state.items()}
 
 
 def _state_in_motion(
@@ -328,8 +328,8 @@ def _state_in_motion(
 ) -> dict[str, np.ndarray]:
     if form.quadratures.clock != 1:
         return sample_in_own_time(form, grid, names, whole)
-    own = form.attitude
-    in_space = () if own is None or own.upright else own.coordinates
+    attitude = form.attitude
+    in_space = () if attitude is None or attitude.upright else attitude.coordinates
     circles = in_space if {*names} & {plain_name(q) for q in in_space} else ()
     turned = {plain_name(q) for q in circles}
     plain = [n for n in names if n not in turned]
@@ -339,11 +339,11 @@ def _state_in_motion(
     if rows is None:
         sample = Sample.of(form.solution, grid)
         rows = sample.each(lambda at: UprightView(form, at, whole).rows(turning, circles))
-    found = dict(zip(plain, rows, strict=False))
+    state = dict(zip(plain, rows, strict=False))
     if circles:
         moved = dict(zip(winding, rows[len(plain) : len(turning)], strict=True)) if whole else None
-        found |= _read_circles(form, rows[len(turning) :], grid, names, moved)
-    return found
+        state |= _read_circles(form, rows[len(turning) :], grid, names, moved)
+    return state
 
 
 def _winding_coordinates(
@@ -373,14 +373,14 @@ class UprightView:
     def rows(self, plain: Sequence[str], circles: Sequence[Any]) -> list[np.ndarray]:
         """Coordinates and velocities by name, then cosine and sine of each of ``circles``."""
         coordinates = {plain_name(q): q for q in self.form.system.coordinates}
-        found = [
+        samples = [
             self.coordinate(coordinates[n]) if n in coordinates else self.velocities[n]
             for n in plain
         ]
         for q in circles:
             angle = self._near.coordinate(q)
-            found += [np.cos(angle), np.sin(angle)]
-        return found
+            samples += [np.cos(angle), np.sin(angle)]
+        return samples
 
     @cached_property
     def _near(self) -> UprightView:
@@ -426,7 +426,7 @@ class UprightView:
     @cached_property
     def velocities(self) -> dict[str, np.ndarray]:
         """The velocities of the equations, accurate relative to their size near the poles."""
-        form, own, x = self.form, self.form.problem.prepared, self.at.x
+        form, compiled, x = self.form, self.form.problem.prepared, self.at.x
         values: list[Any] = [*rounded_constants(form).level, x, self.at.rate]
         for i in range(len(form.quadratures.traces)):
             south, north = (self.at.affine(*ends) for ends in rounded_constants(form).reach[i])
@@ -436,12 +436,12 @@ class UprightView:
                 values += [sine, offset + slope * x, -slope * self.at.rate / sine]
         rates = rounded_constants(form).rates(self.at, self._weights)
         values += rates[: len(form.quadratures.angles)]
-        values += [self._near.coordinate(q) for q in reading_of(own).coordinates]
+        values += [self._near.coordinate(q) for q in reading_of(compiled).coordinates]
         values += [evaluate_form(p, *self._weights) for p in rounded_constants(form).polynomials]
         with np.errstate(all="ignore"):
-            found = velocities_in_doubles(own)(*values)
+            rows = velocities_in_doubles(compiled)(*values)
         names = map(plain_name, form.system.velocities)
-        return {n: np.broadcast_to(e, x.shape) for n, e in zip(names, found, strict=True)}
+        return {n: np.broadcast_to(e, x.shape) for n, e in zip(names, rows, strict=True)}
 
     @cached_property
     def _weights(self) -> tuple[np.ndarray, np.ndarray]:
@@ -474,24 +474,24 @@ def _read_circles(
 
     ``moved`` has longitude and third angle of that, with whole turns, where these are asked for.
     """
-    own = form.attitude
-    assert own is not None
-    read, turn = _reader(own.space), rounded_constants(form).turn
-    found = np.empty((len(own.coordinates), grid.size))
+    attitude = form.attitude
+    assert attitude is not None
+    read, turn = _reader(attitude.space), rounded_constants(form).turn
+    rows = np.empty((len(attitude.coordinates), grid.size))
     for part in _blocks(grid.size):
-        found[:, part] = read(*turn, *(c[part] for c in circles))
-    return _on_branches(form, found, grid, names, moved)
+        rows[:, part] = read(*turn, *(c[part] for c in circles))
+    return _on_branches(form, rows, grid, names, moved)
 
 
 def _read_frame(
     form: InvertedMotion, entries: Any, grid: np.ndarray, names: Sequence[str], whole: bool
 ) -> dict[str, np.ndarray]:
     """Coordinates in space from the entries of the frame there, which turns evenly."""
-    own = form.attitude
-    assert own is not None
-    read = _plain_reader(own.space)
-    found = read(*(np.ravel(entries[i][j]) for i in range(3) for j in range(3)))
-    flat = np.array([np.broadcast_to(x, grid.size) for x in found], dtype=float)
+    attitude = form.attitude
+    assert attitude is not None
+    read = _plain_reader(attitude.space)
+    rows = read(*(np.ravel(entries[i][j]) for i in range(3) for j in range(3)))
+    flat = np.array([np.broadcast_to(x, grid.size) for x in rows], dtype=float)
     settled = _on_branches(form, flat, np.ravel(grid), names, {} if whole else None)
     return {name: x.reshape(grid.shape) for name, x in settled.items()}
 
@@ -505,10 +505,10 @@ def _on_branches(
 ) -> dict[str, np.ndarray]:
     """On their branches; at the few instants at which a colatitude is near a pole, and doubles
     lose digits, from balls."""
-    own = form.attitude
-    assert own is not None
+    attitude = form.attitude
+    assert attitude is not None
     traces = {t.colatitude for t in form.quadratures.traces}
-    rows = dict(zip(own.coordinates, found, strict=True))
+    rows = dict(zip(attitude.coordinates, found, strict=True))
     near = np.zeros(grid.size, dtype=bool)
     for q in traces & {*rows}:
         for part in _blocks(grid.size):
@@ -521,7 +521,7 @@ def _on_branches(
         winding_of(form).unwind(
             grid, moved, {q: row for q, row in asked.items() if q not in traces}
         )
-    for (q, row), (side, turns) in zip(rows.items(), own.branches, strict=True):
+    for (q, row), (side, turns) in zip(rows.items(), attitude.branches, strict=True):
         if (q in traces or moved is None) and (side, turns) != (1, 0):
             row *= side
             row += turns * np.pi
@@ -541,9 +541,9 @@ def _blocks(size: int) -> Iterator[slice]:
 def _angle(y: np.ndarray, x: np.ndarray) -> np.ndarray:
     """``atan2(y, x)`` in half of the time of numpy's; NaN where both are zero."""
     with np.errstate(all="ignore"):
-        found = np.divide(x, y)
-    np.arctan(found, out=found)
-    return np.asarray(np.subtract(np.copysign(np.pi / 2, y), found, out=found))
+        angle = np.divide(x, y)
+    np.arctan(angle, out=angle)
+    return np.asarray(np.subtract(np.copysign(np.pi / 2, y), angle, out=angle))
 
 
 def _reader(space: Any) -> Any:
@@ -560,8 +560,8 @@ def _read(space: Any) -> Any:
         meaning |= {sp.cos(q): cosine, sp.sin(q): sine, q: sp.atan2(sine, cosine)}
     frame = sp.Matrix(3, 3, turn) * space.frame.xreplace(meaning)
     entries = dict(zip(space.entries, frame, strict=True))
-    found = [e.xreplace(entries) for e in space.coordinates.values()]
-    return sp.lambdify((*turn, *circles), found, [{"arctan2": _angle}, "numpy"], cse=True)
+    formulas = [e.xreplace(entries) for e in space.coordinates.values()]
+    return sp.lambdify((*turn, *circles), formulas, [{"arctan2": _angle}, "numpy"], cse=True)
 
 
 def _plain_reader(space: Any) -> Any:

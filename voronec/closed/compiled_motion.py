@@ -144,23 +144,23 @@ def _is_zero(factor: Any, values: Mapping[Any, Any]) -> bool:
 def _critical(system: System, motion: Quadratures) -> list[tuple[Any, Any, Any]]:
     """Polynomials in the parameters whose vanishing sends a pole to infinity, each with a parameter
     and what it is then."""
-    own = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
-    found: dict[Any, tuple[Any, Any, Any]] = {}
+    parameters = {p.symbol for p in system.parameters if p.symbol.is_Symbol}
+    cases: dict[Any, tuple[Any, Any, Any]] = {}
     for place in (*motion.poles, *motion.others):
-        for factor in _factors(sp.fraction(sp.together(place))[1], own):
-            known = _solution_for(factor, sorted(own & factor.free_symbols, key=str)[::-1])
+        for factor in _factors(sp.fraction(sp.together(place))[1], parameters):
+            known = _solution_for(factor, sorted(parameters & factor.free_symbols, key=str)[::-1])
             if known is not None:
-                found.setdefault(known, (factor, *known))
-    return list(found.values())
+                cases.setdefault(known, (factor, *known))
+    return list(cases.values())
 
 
 def _factors(below: Any, own: set[Any]) -> list[Any]:
-    found: list[Any] = []
+    factors: list[Any] = []
     for part in sp.Mul.make_args(below):
         above = sp.fraction(sp.together(part.base if part.is_Pow else part))[0]
         if above.free_symbols and above.free_symbols <= own and above.is_polynomial(*own):
-            found += [factor for factor, _ in sp.factor_list(above)[1]]
-    return found
+            factors += [factor for factor, _ in sp.factor_list(above)[1]]
+    return factors
 
 
 def _solution_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
@@ -172,7 +172,7 @@ def _solution_for(factor: Any, symbols: list[Any]) -> tuple[Any, Any] | None:
 
 
 def _prepare(system: System, motion: Quadratures, special: Mapping[Any, Any]) -> CompiledMotion:
-    own = tuple(p.symbol for p in system.parameters)
+    parameters = tuple(p.symbol for p in system.parameters)
     rates = [e.xreplace(special) for e in motion.integrals.values()]
     plane = motion.plane
     if plane is not None:
@@ -180,14 +180,14 @@ def _prepare(system: System, motion: Quadratures, special: Mapping[Any, Any]) ->
     if motion.clock != 1:
         rates.append(motion.clock.xreplace(special))
     rate = _rate_of_variable(system, motion)
-    inputs = (*system.coordinates, *system.velocities, *own)
+    inputs = (*system.coordinates, *system.velocities, *parameters)
     poles = {c: w for c, w in motion.poles.items() if _is_finite(c, special)}
     straight = motion.clock == 1
     raw = CompiledMotion(
         system=system,
         special=special,
         inputs=inputs,
-        level=(*own, *motion.constants),
+        level=(*parameters, *motion.constants),
         initial_values=compile_expressions(
             [*motion.constants.values(), motion.meaning, rate], inputs
         ),
@@ -223,13 +223,13 @@ def _rate_of_variable(system: System, motion: Quadratures) -> Any:
     dots = [velocity(q) for q in system.coordinates]
     pairs = [(v, e) for v, e in motion.velocities.items() if e.has(*dots)]
     meaning = {motion.x: motion.meaning, **motion.constants}
-    found = sp.Integer(0)
+    rate = sp.Integer(0)
     for q, dot in zip(system.coordinates, dots, strict=True):
         slope = sp.diff(motion.meaning, q)
         if slope != 0:
             value = dot if dot in system.velocities else _coordinate_rate(system, pairs, dot, dots)
-            found += slope * value.xreplace(meaning)
-    return found if motion.clock == 1 else found * motion.clock.xreplace(meaning)
+            rate += slope * value.xreplace(meaning)
+    return rate if motion.clock == 1 else rate * motion.clock.xreplace(meaning)
 
 
 def _coordinate_rate(
@@ -238,22 +238,24 @@ def _coordinate_rate(
     """The velocity of a coordinate out of the velocities, which are affine in two such at most."""
     alone = [(v, e) for v, e in pairs if e.has(dot) and not e.has(*(d for d in dots if d != dot))]
     rows = alone[:1] or pairs
-    own = [d for d in dots if any(e.has(d) for _, e in rows)]
-    if dot not in own or len(own) > 2:
+    unknowns = [d for d in dots if any(e.has(d) for _, e in rows)]
+    if dot not in unknowns or len(unknowns) > 2:
         raise DefinitionError(
             f"system '{system.name}': the declared velocities of the motion do not give "
             f"'{plain_name(dot)}'; write one such as tau: -mu*velocity(u)"
         )
-    still = dict.fromkeys(own, sp.Integer(0))
-    table = [[sp.diff(e, d) for d in own] for _, e in rows]
+    still = dict.fromkeys(unknowns, sp.Integer(0))
+    table = [[sp.diff(e, d) for d in unknowns] for _, e in rows]
     right = [v - e.xreplace(still) for v, e in rows]
     if len(rows) == 1:
         return right[0] / table[0][0]
-    i = own.index(dot)
-    normal = [[sp.Add(*[r[a] * r[b] for r in table]) for b in range(len(own))]
-              for a in range(len(own))]  # fmt: skip
-    onto = [sp.Add(*[r[a] * c for r, c in zip(table, right, strict=True)]) for a in range(len(own))]
-    if len(own) == 1:
+    i = unknowns.index(dot)
+    normal = [[sp.Add(*[r[a] * r[b] for r in table]) for b in range(len(unknowns))]
+              for a in range(len(unknowns))]  # fmt: skip
+    onto = [
+        sp.Add(*[r[a] * c for r, c in zip(table, right, strict=True)]) for a in range(len(unknowns))
+    ]
+    if len(unknowns) == 1:
         return onto[0] / normal[0][0]
     j = 1 - i
     determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0]
@@ -307,14 +309,16 @@ def _make_reading(own: CompiledMotion) -> Reading:
         meaning[velocity(q)] = rate
         symbols.append(rate)
     declared = {velocity(q): velocity(q) for q in own.system.coordinates} | dict(motion.velocities)
-    found = tuple(declared[v].xreplace(meaning) for v in own.system.velocities)
-    held = {s for e in found for s in e.free_symbols}
+    velocities = tuple(declared[v].xreplace(meaning) for v in own.system.velocities)
+    held = {s for e in velocities for s in e.free_symbols}
     coordinates = tuple(q for q in own.system.coordinates if q in held)
     moving = {*symbols[len(own.level) + 1 :], *coordinates}
     kept: dict[Any, Any] = {}
-    found = tuple(_lift(e, own.motion.x, moving, kept) for e in found)
+    velocities = tuple(_lift(e, own.motion.x, moving, kept) for e in velocities)
     symbols += [*coordinates, *kept.values()]
-    return Reading(tuple(symbols), coordinates, tuple(kept), found, tuple(own.system.velocities))
+    return Reading(
+        tuple(symbols), coordinates, tuple(kept), velocities, tuple(own.system.velocities)
+    )
 
 
 def _lift(expr: Any, x: Any, moving: set[Any], kept: dict[Any, Any]) -> Any:

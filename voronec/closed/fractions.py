@@ -88,11 +88,11 @@ def partial_fractions(
 
 def ascending_coefficients(value: Any, x: Any, degree: int) -> tuple[Any, ...]:
     """The coefficients of a polynomial, by its slopes at 0: nothing is multiplied out."""
-    found, slope = [], as_expression(value)
+    coefficients, slope = [], as_expression(value)
     for i in range(degree + 1):
-        found.append(slope.xreplace({x: sp.Integer(0)}) / sp.factorial(i))
+        coefficients.append(slope.xreplace({x: sp.Integer(0)}) / sp.factorial(i))
         slope = sp.diff(slope, x)
-    return tuple(found)
+    return tuple(coefficients)
 
 
 def _term(term: Any, x: Any, level: tuple[Any, ...], example: list[Any]) -> Term:
@@ -111,16 +111,16 @@ def _term(term: Any, x: Any, level: tuple[Any, ...], example: list[Any]) -> Term
 
 def _quotient(above: list[Any], below: list[Any]) -> tuple[Any, ...]:
     """Of a division of polynomials, ascending, three coefficients."""
-    rest, found = list(above), [sp.Integer(0)] * 3
+    rest, quotient = list(above), [sp.Integer(0)] * 3
     while len(rest) >= len(below):
         shift, factor = len(rest) - len(below), rest[-1] / below[-1]
         if shift > 2:
             raise EngineLimit("a rate grows faster than the square of the variable")
-        found[shift] += factor
+        quotient[shift] += factor
         for i, c in enumerate(below[:-1]):
             rest[shift + i] -= factor * c
         rest.pop()
-    return tuple(found)
+    return tuple(quotient)
 
 
 def _sum(rows: Any) -> tuple[Any, ...]:
@@ -147,14 +147,14 @@ def _shares(
     with precise(SHARP):
         flat = compile_expressions([e for pole in poles for e in pole], level)(example)
         places = list(zip(flat[::2], flat[1::2], strict=True))
-        found = []
+        shares = []
         for row in rows:
             parts = [
                 e for t in row for e in (t.numerator, t.denominator, sp.diff(t.denominator, x))
             ]
             at = compile_expressions(parts, (*level, x))
-            found.append(tuple(_share(at([*example, c]), w) for c, w in places))
-    return tuple(found)
+            shares.append(tuple(_share(at([*example, c]), w) for c, w in places))
+    return tuple(shares)
 
 
 def _share(values: list[Any], weight: Any) -> int:
@@ -181,10 +181,10 @@ def _foreign(
     for place in others:
         met = []
         for row in rows:
-            own = [t for t in row if _vanishes(t.denominator, place, x, level, example)]
-            parts = [t.numerator / sp.diff(t.denominator, x) for t in own]
+            singular = [t for t in row if _vanishes(t.denominator, place, x, level, example)]
+            parts = [t.numerator / sp.diff(t.denominator, x) for t in singular]
             flat.append(sp.Add(*(e.xreplace({x: place}) for e in parts)))
-            met.append(bool(own))
+            met.append(bool(singular))
         meets.append(tuple(met))
     return compile_expressions(flat, level), tuple(meets)
 

@@ -156,8 +156,8 @@ class InvertedMotion:
         """The angles at the start, in the order of the integrals; of the motion turned upright."""
         given = self.problem.start_by_symbol(bits)
         if self.attitude is not None and not self.attitude.upright and not self.rests:
-            own = self.attitude
-            given |= dict(zip(own.coordinates, own.begin(bits), strict=True))
+            attitude = self.attitude
+            given |= dict(zip(attitude.coordinates, attitude.begin(bits), strict=True))
         return [given[q] for q in self.quadratures.angles]
 
     def branch(self, i: int) -> tuple[int, int]:
@@ -181,15 +181,15 @@ class InvertedMotion:
     def rates_at_rest(self) -> tuple[sp.Expr, ...]:
         """The velocities of all coordinates where the variable rests, in constants."""
         motion, rates = self.quadratures, self.problem.prepared.rates
-        found = dict(zip(motion.angles, rates, strict=False))
+        velocities = dict(zip(motion.angles, rates, strict=False))
         if motion.plane is not None:
             a, b = (e / motion.plane.length for e in motion.plane.direction)
             along, across = rates[len(motion.angles) : len(motion.angles) + 2]
             x, y = motion.plane.place
-            found |= {x: a * along - b * across, y: b * along + a * across}
+            velocities |= {x: a * along - b * across, y: b * along + a * across}
         meaning = {motion.x: motion.meaning}
         return tuple(
-            (found.get(q, sp.Integer(0)) / motion.clock).xreplace(meaning)
+            (velocities.get(q, sp.Integer(0)) / motion.clock).xreplace(meaning)
             for q in self.system.coordinates
         )
 

@@ -178,18 +178,18 @@ def _steps(winding: Any, level: CapPassages, kinds: np.ndarray) -> list[np.ndarr
 
 def _before(winding: Any, level: CapPassages, kinds: np.ndarray) -> np.ndarray:
     """What has been gained before each of the periods, which ascend: in both caps."""
-    count, found = len(level.passages), []
+    count, gains = len(level.passages), []
     for part in np.split(kinds, np.flatnonzero(np.diff(kinds // CHUNK)) + 1):
         first, last = int(part[0]), int(part[-1])
         if last - first > SPARSE * len(part):
             sums = [winding.gain(level, [int(j)] * count) for j in part]
-            found.append(np.array(sums, dtype=np.int64).T)
+            gains.append(np.array(sums, dtype=np.int64).T)
             continue
         start = winding.gain(level, [first] * count)
         steps = _steps(winding, level, np.arange(first, last))
         rows = [np.cumsum([s, *step.sum(axis=0)]) for s, step in zip(start, steps, strict=True)]
-        found.append(np.array(rows)[:, part - first])
-    return np.concatenate(found, axis=1)
+        gains.append(np.array(rows)[:, part - first])
+    return np.concatenate(gains, axis=1)
 
 
 def _floors(passage: CapPassage, level: CapPassages, kinds: np.ndarray, winding: Any) -> np.ndarray:
@@ -206,15 +206,15 @@ def _floors(passage: CapPassage, level: CapPassages, kinds: np.ndarray, winding:
         )
     fraction = np.uint64(start) + kinds.astype(np.uint64) * np.uint64(rise)
     carried = (start + kinds * float(rise)) / one - fraction / one
-    found = first + kinds * step + np.rint(carried).astype(np.int64)
+    floors = first + kinds * step + np.rint(carried).astype(np.int64)
     error = (np.abs(kinds) + 2).astype(np.uint64)
     for place in np.flatnonzero((fraction < error) | (~fraction < error)):
         j = int(kinds[place])
         sure = certain_floor_sum(1, passage.phase + j * level.advance, arb(0))
         if sure is None:
             raise OpenDecision(winding.pole(level, passage, j))
-        found[place] = sure
-    return np.asarray(found)
+        floors[place] = sure
+    return np.asarray(floors)
 
 
 MOST_BITS = 2048
@@ -290,9 +290,9 @@ def moving_passages(form: InvertedMotion, parts: FrameProduct, bits: int) -> Cap
     Raises:
         OpenDecision: more bits are needed.
     """
-    own = form.attitude
-    assert own is not None
-    side, height, longitude = _pole(own.turn(bits), 1 if own.upper else -1)
+    attitude = form.attitude
+    assert attitude is not None
+    side, height, longitude = _pole(attitude.turn(bits), 1 if attitude.upper else -1)
     constants = form.solution.constants(bits)
     offset, slope = _cosine(form, parts, bits)
     ends = [side * (offset + slope * x) for x in (constants.base, constants.other)]
@@ -303,24 +303,24 @@ def moving_passages(form: InvertedMotion, parts: FrameProduct, bits: int) -> Cap
         moved = moment_of(constants, time).expressions[j] - constants.starts[j]
         return (side * (begin + moved) - longitude) / (2 * arb.pi()) + arb(half) / 2
 
-    found: list[CapPassage] = []
+    passages: list[CapPassage] = []
     inside, borders = [], []
     for far in (False, True):
         level = -height if far else height
         signs = [_sign(level - e if far else e - level) for e in ends]
         for time, way in _times(form, constants, signs, (side * level - offset, slope), bits):
-            found.append(CapPassage(time, phase(time, far), far, way))
+            passages.append(CapPassage(time, phase(time, far), far, way))
         # before the first of them the variable is beyond the other end, or at the first there is
         early = signs[0] if constants.kind == "exponential" else signs[1]
         inside.append((early or signs[0] or signs[1]) > 0)
         borders += [arb(far) / 2] * (signs == [0, 0])
-    found.sort(key=lambda p: (float(p.time.mid()), p.way))
+    passages.sort(key=lambda p: (float(p.time.mid()), p.way))
     advances = constants.advances
     return CapPassages(
         side, longitude,
         None if constants.half is None else 2 * constants.half,
         arb(0) if advances is None else side * advances[j] / (2 * arb.pi()),
-        tuple(found), inside[0], inside[1], tuple(borders),
+        tuple(passages), inside[0], inside[1], tuple(borders),
     )  # fmt: skip
 
 
@@ -333,16 +333,16 @@ def resting_passages(
     Raises:
         OpenDecision: more bits are needed, or the contact stays where it is.
     """
-    own = form.attitude
-    assert own is not None
-    spin, frame = own.spin(bits), own.start(bits)[0]
+    attitude = form.attitude
+    assert attitude is not None
+    spin, frame = attitude.spin(bits), attitude.start(bits)[0]
     rate = sum((w * w for w in spin), ball(0)).nonnegative_part().sqrt()
     if not rate > 0:
         raise OpenDecision("the frame may be still")
     turn = rotation_to([e / rate for e in times(frame, spin)], upper)
     side, height, longitude = _pole(turn, 1 if upper else -1)
-    upright = own.machines[1](product(transpose(turn), frame))
-    values = dict(zip(own.coordinates, upright, strict=True))
+    upright = attitude.machines[1](product(transpose(turn), frame))
+    values = dict(zip(attitude.coordinates, upright, strict=True))
     v, c, b = (values[q] for q in (parts.longitude, parts.colatitude, parts.third))
     if not c.sin() > 0:
         raise OpenDecision("the frame may turn about the normal of the contact alone")

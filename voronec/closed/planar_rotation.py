@@ -19,15 +19,15 @@ def steady_rates(form: InvertedMotion, bits: int) -> list[Any]:
     """The velocities of all coordinates at rest of the variable; of a motion that is turned in
     space, without those of its coordinates in space.  Constant, but for a place on a plane that
     goes round (``wheels``)."""
-    own, coordinates = form.attitude, form.system.coordinates
-    if own is not None:
-        rates = own.rates(bits)
-        return [ball(0) if q in own.coordinates and not own.upright else r
+    attitude, coordinates = form.attitude, form.system.coordinates
+    if attitude is not None:
+        rates = attitude.rates(bits)
+        return [ball(0) if q in attitude.coordinates and not attitude.upright else r
                 for q, r in zip(coordinates, rates, strict=True)]  # fmt: skip
     if form.wheels:
         # by frame and constraints, at the start
-        found: list[Any] = Attitude(form.problem, form.quadratures.space).rates(bits)  # type: ignore[arg-type]
-        return found
+        velocities: list[Any] = Attitude(form.problem, form.quadratures.space).rates(bits)  # type: ignore[arg-type]
+        return velocities
     return [form.exact(e)(bits) for e in form.rates_at_rest]
 
 
@@ -61,8 +61,8 @@ def _rolling(form: InvertedMotion, bits: int) -> tuple[Any, ...]:
     assert plane is not None
     rates = dict(zip(form.system.coordinates, steady_rates(form, bits), strict=True))
     (x, y), start = plane.place, [form.exact(q)(bits) for q in plane.place]
-    own = form.problem.prepared
-    turning = own.memo.once("turning", lambda: _turning_angles(own))
+    compiled = form.problem.prepared
+    turning = compiled.memo.once("turning", lambda: _turning_angles(compiled))
     with precise(bits):
         spin = sum((rates[q] * c for q, c in turning.items()), ball(0))
     return x, y, *start, rates[x], rates[y], spin
@@ -78,7 +78,7 @@ def _turning_angles(own: CompiledMotion) -> dict[Any, int]:
     assert plane is not None
     a, b = plane.direction
     slopes = [sp.diff(e, q) for q in own.motion.angles for e in (a, b)]
-    found = {}
+    turning = {}
     with precise(SHARP):
         given = [ball(sp.Rational(sp.prime(i + 20), sp.prime(i + 41)))
                  for i in range(len(own.inputs))]  # fmt: skip
@@ -88,5 +88,5 @@ def _turning_angles(own: CompiledMotion) -> dict[Any, int]:
             times = round(float((first * across - second * along)
                                 / (first * first + second * second)))  # fmt: skip
             if (along + times * second).contains(0) and (across - times * first).contains(0):
-                found[q] = times
-    return found
+                turning[q] = times
+    return turning

@@ -41,11 +41,11 @@ def _chain(degree: int) -> dict[int, tuple[Any, ...]]:
     """Subresultants of a polynomial and its slope by their degrees, coefficients ascending."""
     x, names = sp.Symbol("x"), _symbols(degree)
     poly = sum(c * x**i for i, c in enumerate(names))
-    found = {}
+    chain = {}
     for e in sp.subresultants(poly, sp.diff(poly, x), x)[2:]:
         p = sp.Poly(e, x)
-        found[p.degree()] = tuple(p.coeff_monomial(x**i) for i in range(p.degree() + 1))
-    return found
+        chain[p.degree()] = tuple(p.coeff_monomial(x**i) for i in range(p.degree() + 1))
+    return chain
 
 
 @cache
@@ -63,33 +63,33 @@ def squarefree(problem: InversionProblem, values: Sequence[Any]) -> Factors:
     degree = len(values) - 1
     while degree and values[degree].contains(0) and not _nonzero(problem, symbols[degree]):
         degree -= 1
-    own = list(values[: degree + 1])
+    coefficients = list(values[: degree + 1])
     if degree < 2:
         if degree == 0 and not _nonzero(problem, symbols[0]):
             return ()
-        return ((tuple(own), 1),)
+        return ((tuple(coefficients), 1),)
     meaning = dict(zip(_symbols(degree), symbols, strict=False))
-    if not _balls(degree, 0)(own)[0].contains(0):
-        return ((tuple(own), 1),)
+    if not _balls(degree, 0)(coefficients)[0].contains(0):
+        return ((tuple(coefficients), 1),)
     common = 0
     while common < degree - 1 and not _nonzero(
         problem, _chain(degree)[common][-1].xreplace(meaning)
     ):
         common += 1
     if common == 0:
-        return ((tuple(own), 1),)
+        return ((tuple(coefficients), 1),)
     if common == degree - 1:
-        root = -own[-2] / (degree * own[-1])
-        return _with_constant(((-root, ball(1)), degree), own[-1:])
-    shared = _balls(degree, common)(own)
+        root = -coefficients[-2] / (degree * coefficients[-1])
+        return _with_constant(((-root, ball(1)), degree), coefficients[-1:])
+    shared = _balls(degree, common)(coefficients)
     if common == 2:
         a, b, c = (e.xreplace(meaning) for e in _chain(degree)[2])
         if _nonzero(problem, b**2 - 4 * a * c):
             square = tuple(e / shared[2] for e in shared)
-            return _with_constant((square, 2), own[-1:])
+            return _with_constant((square, 2), coefficients[-1:])
         shared = [shared[1], 2 * shared[2]]
     root, times = -shared[0] / shared[1], common + 1
-    rest = own
+    rest = coefficients
     for _ in range(times):
         rest = _without(rest, root)
     return _with_constant(((-root, ball(1)), times), rest)
@@ -101,10 +101,10 @@ def _with_constant(factor: tuple[tuple[Any, ...], int], rest: Sequence[Any]) -> 
 
 def _without(poly: Sequence[Any], root: Any) -> list[Any]:
     """The quotient by x - root."""
-    found = [poly[-1]]
+    quotient = [poly[-1]]
     for c in reversed(poly[1:-1]):
-        found.append(c + root * found[-1])
-    return found[::-1]
+        quotient.append(c + root * quotient[-1])
+    return quotient[::-1]
 
 
 def _nonzero(problem: InversionProblem, expr: Any) -> bool:
@@ -122,9 +122,9 @@ def nearest_whole(at: Callable[[int], Any]) -> int:
     within a quarter of it; ``EngineLimit`` where no bits tell."""
     for bits in (*LADDER, *BEYOND):
         with precise(bits):
-            found = (at(bits) + ball(0.5)).floor()
-        if found.is_exact():
-            return int(found.unique_fmpz())
+            nearest = (at(bits) + ball(0.5)).floor()
+        if nearest.is_exact():
+            return int(nearest.unique_fmpz())
     raise EngineLimit("whole turns at the start cannot be told; give initial data exactly")
 
 
@@ -163,8 +163,8 @@ class InversionProblem:
     def level(self, bits: int) -> list[Any]:
         """Parameters and constants as balls, in the order of ``prepared.level``."""
         count = len(self.prepared.system.parameters)
-        own = self.start_balls(bits)
-        return [*own[len(own) - count :], *self._start_values(bits)[:-2]]
+        start = self.start_balls(bits)
+        return [*start[len(start) - count :], *self._start_values(bits)[:-2]]
 
     def place(self, bits: int) -> Any:
         """The variable at the start."""
@@ -271,14 +271,14 @@ class InversionProblem:
         """The problem at a number of bits, for ``voronec.elliptic.invert``."""
         from voronec.elliptic.constants import Integral, Numbers, Pole
 
-        own = self.prepared
+        compiled = self.prepared
         if self.rests:  # nothing is integrated: all rates are constant
             with precise(bits):
                 factors = squarefree(self, self.table(bits)[:5])
                 return Numbers(factors, self.place(bits), ball(0), at_rest=True)
         with precise(bits):
             table, others = self.table(bits), self.others(bits)
-            count = len(own.poles)
+            count = len(compiled.poles)
             poles = tuple(
                 Pole(table[5 + 2 * i], self._weight(table[6 + 2 * i], i)) for i in range(count)
             )
@@ -291,7 +291,7 @@ class InversionProblem:
                     self._exact_coefficient(table[first + 3 * j + 2], j, 2),
                     (*shares, *(residues[j] for _, residues in others)),
                 )
-                for j, shares in enumerate(own.shares)
+                for j, shares in enumerate(compiled.shares)
             )
             return Numbers(
                 factors=squarefree(self, table[:5]),
@@ -318,7 +318,7 @@ class InversionProblem:
         from voronec.elliptic.roots import OpenDecision
 
         flat = self.prepared.fractions.foreign(list(map(acb, level)))
-        count, found = len(self.prepared.others), []
+        count, others = len(self.prepared.others), []
         rows = len(flat) // count - 1
         for i, met in enumerate(self.prepared.fractions.meets):
             place = acb(flat[i])
@@ -334,8 +334,8 @@ class InversionProblem:
                 continue
             else:
                 row = [2 * r for r in row]
-            found.append((place, row))
-        return found
+            others.append((place, row))
+        return others
 
     def _exact_coefficient(self, value: Any, j: int, i: int) -> Any:
         """A coefficient; exactly 0 where it is that."""
@@ -357,9 +357,9 @@ class InversionProblem:
 
     def check(self) -> None:
         """Raise ``DefinitionError`` for a start or parameters at which the motion is singular."""
-        own, name = self.prepared, self.prepared.system.name
+        compiled, name = self.prepared, self.prepared.system.name
         if not all(c.is_finite() for c in self.table(LADDER[0])[:5]):
-            symbols = [p.symbol for p in own.system.parameters]
+            symbols = [p.symbol for p in compiled.system.parameters]
             held = ", ".join(f"{s} = {self.values[s]}" for s in symbols)
             raise DefinitionError(
                 f"system '{name}': the motion in closed form is singular for {held}; change these"
@@ -368,7 +368,7 @@ class InversionProblem:
             raise DefinitionError(
                 f"system '{name}': the closed form has no value at the start; start elsewhere"
             )
-        for trace in own.motion.traces:
+        for trace in compiled.motion.traces:
             pole = sp.sin(trace.colatitude)
             if self._is_zero(self.exact(pole)(LADDER[0]), pole):
                 q = trace.colatitude
@@ -398,37 +398,37 @@ def exact_instant(t: Any) -> Any:
     """A time as what it is: a ball, or an exact number."""
     if isinstance(t, arb):
         return t
-    found = exact(real_number(t, "t"))
-    if found.is_Rational:
-        return Fraction(int(found.p), int(found.q))
-    function = compile_expressions([found], ())
+    instant = exact(real_number(t, "t"))
+    if instant.is_Rational:
+        return Fraction(int(instant.p), int(instant.q))
+    function = compile_expressions([instant], ())
     return lambda _: function([])[0]
 
 
 def read_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """Parameter -> expression, by the symbols of the system."""
-    own = {p.name: p.symbol for p in system.parameters}
-    found = {}
+    symbols = {p.name: p.symbol for p in system.parameters}
+    values = {}
     for key, value in fixed_mapping(parameters, "parameters", "parameter: value").items():
-        if plain_name(key) not in own:
+        if plain_name(key) not in symbols:
             raise DefinitionError(
                 f"system '{system.name}' has no parameter '{quote(key)}'"
-                f"{did_you_mean(quote(key), own)}"
+                f"{did_you_mean(quote(key), symbols)}"
             )
-        found[own[plain_name(key)]] = exact(expression(value, f"the parameter '{quote(key)}'"))
-    return found
+        values[symbols[plain_name(key)]] = exact(expression(value, f"the parameter '{quote(key)}'"))
+    return values
 
 
 def known_parameters(system: System, parameters: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """Every parameter as an exact number: what is given, else the default."""
     given = read_parameters(system, parameters)
-    found = {}
+    values = {}
     for p in system.parameters:
         value = given.get(p.symbol, p.value)
         if value is None or not as_expression(value).is_number:
             raise DefinitionError(f"parameter '{p.name}' has no value; give parameters={{...}}")
-        found[p.symbol] = exact(value)
-    return found
+        values[p.symbol] = exact(value)
+    return values
 
 
 def number(value: Any, name: str) -> sp.Expr:

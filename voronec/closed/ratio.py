@@ -109,10 +109,10 @@ def _round_numbers(
     bits = 2 * BITS
     while True:
         with precise(bits):
-            found = at(bits, form.solution.constants(bits))
-        good = (x.is_zero() or x.rel_accuracy_bits() >= BITS for x in found)
+            numbers = at(bits, form.solution.constants(bits))
+        good = (x.is_zero() or x.rel_accuracy_bits() >= BITS for x in numbers)
         if all(good) or bits >= MOST:
-            return tuple(0.0 if abs(x) < ball(NOTHING) else float(x) for x in found)
+            return tuple(0.0 if abs(x) < ball(NOTHING) else float(x) for x in numbers)
         bits *= 2
 
 
@@ -134,11 +134,11 @@ def inner(ascending: Sequence[Any], constants: Any) -> list[Any]:
 
 def _shift(row: Sequence[Any], place: Any) -> list[Any]:
     """Coefficients in powers of x - place."""
-    found = list(row)
-    for i in range(len(found)):
-        for j in range(len(found) - 2, i - 1, -1):
-            found[j] = found[j] + place * found[j + 1]
-    return found
+    coefficients = list(row)
+    for i in range(len(coefficients)):
+        for j in range(len(coefficients) - 2, i - 1, -1):
+            coefficients[j] = coefficients[j] + place * coefficients[j + 1]
+    return coefficients
 
 
 def evaluate_form(numbers: Bernstein, near: np.ndarray, far: np.ndarray) -> Any:
@@ -212,11 +212,11 @@ class RoundedConstants:
     @cached_property
     def reach(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
         """Of each trace: 1 - cosine and 1 + cosine at both ends."""
-        found = []
+        reaches = []
         for i in range(len(self.form.quadratures.traces)):
             south, north = (self._cosine_from(i, side) for side in (-1, 1))
-            found.append((south, north))
-        return found
+            reaches.append((south, north))
+        return reaches
 
     def _cosine_from(self, i: int, side: int) -> tuple[float, float]:
         def at(bits: int, constants: Any) -> list[Any]:
@@ -236,7 +236,7 @@ class RoundedConstants:
     @cached_property
     def distances(self) -> list[tuple[float, float]]:
         """Of each pole: x less its place at both ends."""
-        found = []
+        gaps = []
         for i in range(len(self.form.problem.prepared.poles)):
 
             def at(bits: int, constants: Any, i: int = i) -> list[Any]:
@@ -244,31 +244,31 @@ class RoundedConstants:
                 return [constants.base - place, constants.other - place]
 
             low, high = _round_numbers(self.form, at)
-            found.append((low, high))
-        return found
+            gaps.append((low, high))
+        return gaps
 
     @cached_property
     def fractions(self) -> list[tuple[Bernstein, tuple[int, ...]]]:
         """Of each rate: its numerator, and which poles are in its denominator."""
         weights = [pole.weight for pole in self.form.problem.source(FINE).poles]
-        found = []
+        quotients = []
         for j, row in enumerate(self.form.problem.prepared.shares):
             used = [i for i, share in enumerate(row) if share and not weights[i].is_zero()]
             numerator = bernstein(self.form, partial(self._numerator, j, used))
-            found.append((numerator, tuple(used)))
-        return found
+            quotients.append((numerator, tuple(used)))
+        return quotients
 
     def _numerator(self, j: int, used: Sequence[int], bits: int) -> list[Any]:
         from flint import arb_poly
 
-        own = self.form.problem.prepared
+        compiled = self.form.problem.prepared
         with precise(bits):
             factors = [arb_poly([-self._part(bits, 5 + 2 * i, 1)[0], 1]) for i in used]
-            total = arb_poly(self._part(bits, own.quotient_at + 3 * j, 3))
+            total = arb_poly(self._part(bits, compiled.quotient_at + 3 * j, 3))
             for factor in factors:
                 total *= factor
             for at, i in enumerate(used):
-                part = arb_poly([own.shares[j][i] * self._part(bits, 6 + 2 * i, 1)[0]])
+                part = arb_poly([compiled.shares[j][i] * self._part(bits, 6 + 2 * i, 1)[0]])
                 for other in factors[:at] + factors[at + 1 :]:
                     part *= other
                 total += part
@@ -281,11 +281,11 @@ class RoundedConstants:
     def polynomials(self) -> list[Bernstein]:
         """Polynomials in x that the velocities hold."""
         x = self.form.quadratures.x
-        found = []
+        forms = []
         for e in reading_of(self.form.problem.prepared).polynomials:
             exact = [self.form.exact(c) for c in ascending_coefficients(e, x, int(sp.degree(e, x)))]
-            found.append(bernstein(self.form, partial(_at, exact)))
-        return found
+            forms.append(bernstein(self.form, partial(_at, exact)))
+        return forms
 
     @cached_property
     def slides(self) -> list[tuple[float, float, float]]:
@@ -296,13 +296,13 @@ class RoundedConstants:
     def rates(self, sample: Any, ends: tuple[np.ndarray, np.ndarray]) -> list[Any]:
         """The rates of angles and places by the time of the quartic; ``ends``: shares in x."""
         apart = [sample.affine(*distances) for distances in self.distances]
-        found = []
+        speeds = []
         for numerator, used in self.fractions:
             rate = evaluate_form(numerator, *ends)
             for i in used:
                 rate = rate / apart[i]
-            found.append(rate)
-        return found
+            speeds.append(rate)
+        return speeds
 
     def _part(self, bits: int, first: int, count: int) -> list[Any]:
         return self.form.problem.table(bits)[first : first + count]

@@ -96,17 +96,17 @@ class Attitude:
         return self.problem.prepared.memo.once("frame in space", self._compile)
 
     def _compile(self) -> tuple[Function, Function, Function]:
-        frame, vector, own = self.space.frame, self.space.vector, self.coordinates
-        foreign = frame.free_symbols - {*own}
+        frame, vector, coordinates = self.space.frame, self.space.vector, self.coordinates
+        foreign = frame.free_symbols - {*coordinates}
         if foreign:
             raise DefinitionError(
                 f"the frame in space holds '{min(foreign, key=str)}', which is not among the "
-                f"coordinates in space {', '.join(map(str, own))}"
+                f"coordinates in space {', '.join(map(str, coordinates))}"
             )
         return (
             compile_expressions([*frame, *vector], self.problem.prepared.inputs),
             compile_expressions(self.space.coordinates.values(), tuple(self.space.entries)),
-            compile_expressions(list(frame), own),
+            compile_expressions(list(frame), coordinates),
         )
 
     def start(self, bits: int) -> tuple[list[Any], list[Any]]:
@@ -146,11 +146,11 @@ class Attitude:
 
     def _sharply(self, bits: int) -> list[Any]:
         # near a pole of these coordinates entries of E' are small, their directions need more bits
-        found, work = self._begin(bits), bits
-        while work < MOST and not all(e.rad() < ball(2) ** (SPARE - bits) for e in found):
+        start, work = self._begin(bits), bits
+        while work < MOST and not all(e.rad() < ball(2) ** (SPARE - bits) for e in start):
             work *= 2
-            found = self._begin(work)
-        return found
+            start = self._begin(work)
+        return start
 
     def _begin(self, bits: int) -> list[Any]:
         with precise(bits):
@@ -175,11 +175,11 @@ class Attitude:
 
         A colatitude that starts below 0 or above pi goes on there.
         """
-        found = {}
+        shifted = {}
         with precise(bits):
             for q, e, (side, turns) in zip(self.coordinates, read, self.branches, strict=True):
-                found[q] = side * e + turns * ball(1).pi()
-        return found
+                shifted[q] = side * e + turns * ball(1).pi()
+        return shifted
 
     @cached_property
     def branches(self) -> list[tuple[int, int]]:
@@ -190,14 +190,14 @@ class Attitude:
             read = self.machines[1](self.start(bits)[0])[i]
             return (self.problem.start_by_symbol(bits)[q] - read) / ball(1).pi()
 
-        found = []
+        pairs = []
         for i, q in enumerate(self.coordinates):
             if q in colatitudes:
                 side, turns = self.problem.branch(q)
-                found.append((side, 2 * turns))
+                pairs.append((side, 2 * turns))
             else:
-                found.append((1, nearest_whole(partial(halves, i=i, q=q))))
-        return found
+                pairs.append((1, nearest_whole(partial(halves, i=i, q=q))))
+        return pairs
 
     def spin(self, bits: int) -> list[Any]:
         """Angular velocity of the frame along itself (3) at the start: E^T dE/dt."""
@@ -313,19 +313,19 @@ def _composition(own: CompiledMotion) -> FrameProduct | None:
         if len(rest) != 1 or len(space.coordinates) != 3 or rest[0] not in own.motion.angles:
             continue
         for sense in (1, -1):
-            found = FrameProduct(i, trace.longitude, trace.colatitude, rest[0], sense)
-            if _holds(space.frame, found):
-                return found
+            parts = FrameProduct(i, trace.longitude, trace.colatitude, rest[0], sense)
+            if _holds(space.frame, parts):
+                return parts
     return None
 
 
 def _holds(frame: sp.Matrix, parts: FrameProduct) -> bool:
     """Whether F is free of the coordinates."""
     names = (parts.longitude, parts.colatitude, parts.third)
-    v, c, b = own = sp.symbols("longitude colatitude third", cls=sp.Dummy)
-    turned = sp.Matrix(frame.xreplace(dict(zip(names, own, strict=True))))
+    v, c, b = symbols = sp.symbols("longitude colatitude third", cls=sp.Dummy)
+    turned = sp.Matrix(frame.xreplace(dict(zip(names, symbols, strict=True))))
     rest = _about_third(-parts.sense * b) * _about_second(-c) * _about_third(-v) * turned
-    still = rest.xreplace(dict.fromkeys(own, sp.Integer(0)))
+    still = rest.xreplace(dict.fromkeys(symbols, sp.Integer(0)))
     return all(prove_equal(e, f).proved for e, f in zip(rest, still, strict=True))
 
 

@@ -74,12 +74,12 @@ class NoWholeTurns(EngineLimit):
 
 def turnless_message(names: Sequence[Any], time: float | None, start: float = 0.0) -> str:
     """That angles have no number of whole turns beyond an instant, counted from the start."""
-    own = " and ".join(map(plain_name, names))
+    text = " and ".join(map(plain_name, names))
     have = "have" if len(names) > 1 else "has"
     if time is None:
-        return f"{own} {have} no number of whole turns that can be told"
+        return f"{text} {have} no number of whole turns that can be told"
     return (
-        f"{own} {have} no number of whole turns beyond t = {start + time:.15g}, where the contact "
+        f"{text} {have} no number of whole turns beyond t = {start + time:.15g}, where the contact "
         "passes through a pole"
     )
 
@@ -106,14 +106,14 @@ class Winding:
         Raises:
             EngineLimit: in another way than a longitude, a colatitude and a third angle do.
         """
-        found = composition(self.form.problem.prepared)
-        if found is None:
+        product = composition(self.form.problem.prepared)
+        if product is None:
             raise EngineLimit(
                 f"system '{self.form.system.name}': whole turns in space are known where the frame "
                 "is made of the longitude and the colatitude of a trace and an angle about that "
                 "axis; ask for the angles modulo a turn"
             )
-        return found
+        return product
 
     @property
     def names(self) -> tuple[Any, Any]:
@@ -148,11 +148,11 @@ class Winding:
     @cached_property
     def _upper(self) -> bool:
         """Whether the spin of a frame that turns evenly points upwards, as far as can be told."""
-        own, bits = self.form.attitude, FIRST
-        assert own is not None
+        attitude, bits = self.form.attitude, FIRST
+        assert attitude is not None
         while bits <= MOST_BITS:
             with precise(bits):
-                height = rotated(own.start(bits)[0], own.spin(bits))[2]
+                height = rotated(attitude.start(bits)[0], attitude.spin(bits))[2]
             if not height.contains(0):
                 return bool(height > 0)
             bits *= 2
@@ -169,12 +169,12 @@ class Winding:
         """
         totals, open_ = [0, 0], []
         for passage, count in zip(level.passages, numbers, strict=True):
-            found = certain_floor_sum(count, passage.phase, level.advance)
-            if found is None:
+            floors = certain_floor_sum(count, passage.phase, level.advance)
+            if floors is None:
                 number = first_doubt(count, passage.phase, level.advance)
                 open_.append(self.pole(level, passage, number))
             else:
-                totals[passage.far] += passage.way * found
+                totals[passage.far] += passage.way * floors
         if open_:
             raise min(open_, key=lambda doubt: abs(doubt.time))
         return totals[0], totals[1]
@@ -225,9 +225,13 @@ class Winding:
         start."""
 
         def work(bits: int) -> Turns:
-            own, level = self.form.attitude, self.passages(bits)
-            assert own is not None
-            plain = dict(zip(own.coordinates, own.machines[1](own.start(bits)[0]), strict=True))
+            attitude, level = self.form.attitude, self.passages(bits)
+            assert attitude is not None
+            plain = dict(
+                zip(
+                    attitude.coordinates, attitude.machines[1](attitude.start(bits)[0]), strict=True
+                )
+            )
             read = plain[self.names[0]], plain[self.names[1]]
             first, second = self.turns(level, arb(0), self.upright(level, None, bits), read)
             begun = [given - r for given, r in zip(self._start_values(bits), read, strict=True)]
@@ -268,12 +272,12 @@ class Winding:
             return dict(zip(self.names, plain, strict=True))
         try:
             level = self.passages(bits)
-            found = self.turns(level, time, self.upright(level, moved, bits, time), plain)
+            turns = self.turns(level, time, self.upright(level, moved, bits, time), plain)
         except OpenDecision as reason:
             if bits >= MOST:
                 raise self._refusal(reason) from None
             return dict.fromkeys(self.names, arb("nan"))
-        rows = zip(self.names, plain, found, self.origin, strict=True)
+        rows = zip(self.names, plain, turns, self.origin, strict=True)
         return {q: r + (2 * n + half) * arb.pi() for q, r, n, half in rows}
 
     def certain(self, work: Callable[[int], Value]) -> Value:
@@ -358,13 +362,13 @@ class Winding:
     def _initial_attitude(self, bits: int) -> tuple[arb, arb, arb]:
         """Longitude and third angle at the start, and the spin of the frame about the normal of
         the contact, where that stays where it is."""
-        own, problem = self.form.attitude, self.form.problem
-        assert own is not None
+        attitude, problem = self.form.attitude, self.form.problem
+        assert attitude is not None
         v, b = self._start_values(bits)
         c = problem.exact(self.parts.colatitude)(bits)
         normal = [c.sin() * v.cos(), c.sin() * v.sin(), c.cos()]
-        along = rotated(transpose(own.start(bits)[0]), normal)
-        return v, b, sum((w * e for w, e in zip(own.spin(bits), along, strict=True)), arb(0))
+        along = rotated(transpose(attitude.start(bits)[0]), normal)
+        return v, b, sum((w * e for w, e in zip(attitude.spin(bits), along, strict=True)), arb(0))
 
     def _stays(self, level: CapPassages, now: arb, time: arb) -> None:
         """That a contact which stays on a parallel through a pole has not passed that pole."""
@@ -388,8 +392,8 @@ class Winding:
         for half in level.borders:
             with precise(FIRST):
                 begun = floor(self._phase_at_start(level, FIRST) + half)
-            own = phases + float(half)
-            past = np.flatnonzero(np.maximum(begun - own, own - begun - 1) > ROUGH)
+            shifted = phases + float(half)
+            past = np.flatnonzero(np.maximum(begun - shifted, shifted - begun - 1) > ROUGH)
             if past.size:
                 first = times[past[np.argmin(np.abs(times[past]))]]
                 met.append(self._first_passage(level, half, float(first)))
@@ -432,11 +436,11 @@ def passed_poles(form: InvertedMotion, times: np.ndarray) -> dict[float, tuple[A
     is counted at each, and nothing makes it that."""
     if form.rests or not times.size:
         return {}
-    own, constants = form.attitude, form.solution.constants(FIRST)
-    elsewhere = () if own is None or own.upright else own.coordinates
+    attitude, constants = form.attitude, form.solution.constants(FIRST)
+    elsewhere = () if attitude is None or attitude.upright else attitude.coordinates
     early, late = min(0.0, float(times.min())), max(0.0, float(times.max()))
     longitudes = {t.longitude for t in form.quadratures.traces}
-    found: dict[float, tuple[Any, ...]] = {}
+    passed: dict[float, tuple[Any, ...]] = {}
     for one in constants.phases:
         met = _met_between(constants, one.side, early, late) if one.alpha.is_zero() else None
         turned = [q for q, w in zip(form.quadratures.angles, one.shares, strict=False) if w != 0]
@@ -444,8 +448,8 @@ def passed_poles(form: InvertedMotion, times: np.ndarray) -> dict[float, tuple[A
         upright_only = bool({*turned} & {*elsewhere} & longitudes)
         names = tuple(q for q in turned if not (upright_only and q in elsewhere))
         if met is not None and names:
-            found[met] = names
-    return found
+            passed[met] = names
+    return passed
 
 
 def _met_between(constants: Any, side: int, early: float, late: float) -> float | None:
@@ -462,7 +466,7 @@ def _met_between(constants: Any, side: int, early: float, late: float) -> float 
 
 
 def _nearest(value: arb) -> int:
-    found = floor(value + arb(0.5))
-    if not abs(value - found) < SURE:
+    nearest = floor(value + arb(0.5))
+    if not abs(value - nearest) < SURE:
         raise OpenDecision("whole turns need more bits")
-    return found
+    return nearest

@@ -205,9 +205,9 @@ def _shares(
     constants: Constants, easy: tuple[bool, ...], number: int
 ) -> tuple[tuple[int, float], ...]:
     """Of an integral: the phases that are not all in its periodic term, with their factors."""
-    found = [(place, float(one.shares[number])) for place, one in enumerate(constants.phases)]
+    shares = [(place, float(one.shares[number])) for place, one in enumerate(constants.phases)]
     return tuple(
-        (place, share) for place, share in found if abs(share) > NOTHING and not easy[place]
+        (place, share) for place, share in shares if abs(share) > NOTHING and not easy[place]
     )
 
 
@@ -593,11 +593,11 @@ def parts(value: arb, bits: int, count: int, top: int | None = None) -> tuple[fl
     top = mantissa.bit_length() + exponent if top is None else top
     shift = bits * count - top + exponent
     whole = mantissa << shift if shift >= 0 else mantissa >> -shift
-    found = []
+    pieces = []
     for place in range(count - 1, -1, -1):
-        found.append(math.ldexp(sign * (whole >> (bits * place)), top - bits * (count - place)))
+        pieces.append(math.ldexp(sign * (whole >> (bits * place)), top - bits * (count - place)))
         whole &= (1 << (bits * place)) - 1
-    return tuple(found)
+    return tuple(pieces)
 
 
 def turns(value: arb, reduction: QuarticReduction) -> tuple[float, ...]:

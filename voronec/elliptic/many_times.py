@@ -190,13 +190,13 @@ def _sums(doubles: Doubles, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _terms(doubles: Doubles, growth: float) -> list[tuple[int, float]]:
     """(k, c_k) of the terms of s that count as far as ``growth`` from the axis."""
     nome = float(doubles.constants.nome.mid())
-    found: list[tuple[int, float]] = []
+    terms: list[tuple[int, float]] = []
     for n in range(12):
         order, power = 2 * n + 1, (-1) ** n * nome ** (n * (n + 1) // 2)
         if n and (power == 0.0 or math.log(abs(power)) + (order + 1) * growth < -FAR):
             break
-        found.append((order, power))
-    return found
+        terms.append((order, power))
+    return terms
 
 
 TURN = 2 * math.pi
@@ -326,18 +326,18 @@ class TimeStretch:
     def _periodic(self, number: int) -> list[tuple[float, np.ndarray]]:
         """The periodic parts of an integral: factors and arrays."""
         doubles = self.doubles
-        found = [(share, self._angles(place)) for place, share in doubles.shares[number]]
+        parts = [(share, self._angles(place)) for place, share in doubles.shares[number]]
         periodic_term = doubles.periodic_terms[number]
         if periodic_term.size:
             powers = self.arguments.powers[: periodic_term.size]
-            found.append((1.0, np.matmul(periodic_term, powers, out=self.arguments.spare())))
+            parts.append((1.0, np.matmul(periodic_term, powers, out=self.arguments.spare())))
         for place in doubles.log_terms[number]:
             z = self.arguments.z(doubles.constants.log_terms[place].side)
-            found.append((1.0, log_term_part(doubles, place, number, z)))
+            parts.append((1.0, log_term_part(doubles, place, number, z)))
         p, q = doubles.bounded_terms[number]
         if p or q:
-            found.append((1.0, (p + q * self.x) * self.rate))
-        return found
+            parts.append((1.0, (p + q * self.x) * self.rate))
+        return parts
 
     @cached_property
     def _known(self) -> dict[int, np.ndarray]:
@@ -503,8 +503,8 @@ def _model(doubles: Doubles, latest: float) -> TimeStretch:
         made = _make_model(doubles, latest)
         doubles.models.clear()
         doubles.models[latest] = made
-    found: TimeStretch = doubles.models[latest]
-    return found
+    model: TimeStretch = doubles.models[latest]
+    return model
 
 
 def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
@@ -513,12 +513,12 @@ def _make_model(doubles: Doubles, latest: float) -> TimeStretch:
         start = _at(
             _bare(doubles, doubles.reduction(0.0), 0.0), np.zeros(1), Rows(ROWS, 1), Rows(ROWS, 1)
         )
-        found = []
+        origins = []
         for number in range(len(here.secular_terms)):
             radians = _quietly(partial(TimeStretch._sum, number=number, start=0.0), start)
             turned = _quietly(partial(TimeStretch.modulo, number=number), start)
-            found.append((float(radians[0]), float(turned[0]) / TURN))
-        doubles.origins[:] = found
+            origins.append((float(radians[0]), float(turned[0]) / TURN))
+        doubles.origins[:] = origins
     return replace(here, origins=tuple(doubles.origins))
 
 

@@ -47,11 +47,11 @@ def _chebyshev() -> np.ndarray:
 
 def _powers() -> np.ndarray:
     """Those to coefficients of powers.  In one step with the others, digits would be lost."""
-    found = np.zeros((COUNT, COUNT))
+    transform = np.zeros((COUNT, COUNT))
     for k, unit in enumerate(np.eye(COUNT)):
         row = np.polynomial.chebyshev.cheb2poly(unit)
-        found[: len(row), k] = row
-    return found
+        transform[: len(row), k] = row
+    return transform
 
 
 FIT, POWER_FORM = _chebyshev(), _powers()
@@ -94,9 +94,9 @@ class Panels:
         reach = float(half.mid()) / 2 * (1 + BESIDE)
         places = np.full(2 * CELLS, -1)
         width, todo = WIDEST, np.arange(0, 2 * CELLS, WIDEST)
-        found: list[Any] = []
+        panels: list[Any] = []
         largest = np.zeros(len(sizes))
-        while len(todo) and width >= NARROWEST and len(todo) + len(found) <= MOST:
+        while len(todo) and width >= NARROWEST and len(todo) + len(panels) <= MOST:
             radius = reach * width / CELLS
             middles = reach * ((todo % CELLS) * 2 + width - CELLS) / CELLS
             rest, late = middles[:, None] + radius * POINTS, todo // CELLS
@@ -106,15 +106,15 @@ class Panels:
                 largest = np.abs(values).max(axis=(1, 2))
             good, coefficients = _fit(values, np.array(sizes), largest)
             for i in np.flatnonzero(good):
-                places[todo[i] : todo[i] + width] = len(found)
-                found.append((middles[i], radius, coefficients[i]))
+                places[todo[i] : todo[i] + width] = len(panels)
+                panels.append((middles[i], radius, coefficients[i]))
             width //= 2
             todo = np.concatenate([todo[~good], todo[~good] + width])
-        if not found or 4 * np.count_nonzero(places < 0) > len(places):
+        if not panels or 4 * np.count_nonzero(places < 0) > len(places):
             return None
         odd = np.arange(2 * CELLS) >= CELLS
-        places = np.where(places < 0, len(found) + odd, places).astype(np.int16)
-        middles, radii, coefficients = (np.array(part) for part in zip(*found, strict=True))
+        places = np.where(places < 0, len(panels) + odd, places).astype(np.int16)
+        middles, radii, coefficients = (np.array(part) for part in zip(*panels, strict=True))
         return cls(model, work, reach, places, middles, radii, coefficients)
 
     def at(self, times: np.ndarray, reduction: QuarticReduction) -> tuple[np.ndarray, np.ndarray]:

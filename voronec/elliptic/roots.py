@@ -142,15 +142,15 @@ def all_roots(numbers: Numbers) -> tuple[Root, ...]:
     Raises:
         OpenDecision: two could not be told apart.
     """
-    found: list[Root] = []
+    roots: list[Root] = []
     for factor, times in numbers.factors:
         if len(factor) > 1:
-            found += [Root(value, times) for value in _factor_roots(factor)]
-    real = sorted((root for root in found if root.real), key=lambda root: root.value.mid())
+            roots += [Root(value, times) for value in _factor_roots(factor)]
+    real = sorted((root for root in roots if root.real), key=lambda root: root.value.mid())
     for one, next_one in pairwise(real):
         if not one.value < next_one.value:
             raise OpenDecision(f"two roots near x = {one.value.str(5, radius=False)} may be equal")
-    return (*real, *(root for root in found if not root.real))
+    return (*real, *(root for root in roots if not root.real))
 
 
 def interval(numbers: Numbers) -> Ends:

@@ -101,9 +101,11 @@ class Solution:
 
         def work(working: int) -> Enclosed:
             constants = self.constants(working)
-            found = _enclose(constants, moment_of(constants, exact_time(t)))
-            if all(value.rad() < bound for value in (found.x, found.rate, *found.integrals)):
-                return found
+            enclosed = _enclose(constants, moment_of(constants, exact_time(t)))
+            if all(
+                value.rad() < bound for value in (enclosed.x, enclosed.rate, *enclosed.integrals)
+            ):
+                return enclosed
             if isinstance(t, arb) and not t.is_exact() and working > 4 * bits:
                 raise EngineLimit(f"no {digits} digits at t = {t.str(10)}: the time is a wide ball")
             raise OpenDecision(f"no {digits} digits at t = {t}")
@@ -158,13 +160,13 @@ class Solution:
         constants = self.constants(PEOPLE)
         scale = complex(constants.scale)
         half = 0.0 if constants.half is None else float(constants.half)
-        found: dict[int | None, complex] = {}
+        times: dict[int | None, complex] = {}
         for phase in constants.phases:
-            found[phase.pole] = phase.side * half + 1j * float(phase.alpha) / scale
+            times[phase.pole] = phase.side * half + 1j * float(phase.alpha) / scale
         for log_term in constants.log_terms:
-            found[log_term.pole] = log_term.side * half + complex(log_term.place) / scale
+            times[log_term.pole] = log_term.side * half + complex(log_term.place) / scale
         numbers = _numbers(self.source, PEOPLE)
-        return tuple(found.get(place) for place in range(len(numbers.poles)))
+        return tuple(times.get(place) for place in range(len(numbers.poles)))
 
 
 def invert(source: Source) -> Solution:

@@ -164,7 +164,7 @@ def periodic_terms_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np
 
     ``sin 2kz = 2 X U_(k-1)(cos 2z)``, and half a period later ``(-1)^k`` of it.
     """
-    found = []
+    terms = []
     for number in range(len(constants.rates)):
         total = arb_poly([0])
         for phase, angle in zip(constants.phases, angles, strict=True):
@@ -174,20 +174,20 @@ def periodic_terms_of(constants: Constants, angles: Sequence[Angle]) -> tuple[np
                 flip = (-1) ** (k * angle.side)
                 total += share * flip * arb(factor) * this
                 last, this = this, arb_poly([0, 2]) * this - last
-        found.append(np.array([float(value.mid()) for value in total.coeffs()]))
-    return tuple(found)
+        terms.append(np.array([float(value.mid()) for value in total.coeffs()]))
+    return tuple(terms)
 
 
 def _periodic_term(nome: arb, alpha: arb) -> tuple[float, ...]:
-    found: list[float] = []
+    factors: list[float] = []
     if nome.is_zero() or alpha.is_zero():
         return ()
     for k in range(1, MOST_RIPPLES):
         power = nome**k
-        found.append(float((-2 * power / (1 - power) * (2 * k * alpha).sinh() / k).mid()))
-        if abs(found[-1]) < NEGLIGIBLE:
+        factors.append(float((-2 * power / (1 - power) * (2 * k * alpha).sinh() / k).mid()))
+        if abs(factors[-1]) < NEGLIGIBLE:
             break
-    return tuple(found)
+    return tuple(factors)
 
 
 def _double(value: arb) -> float:
@@ -247,11 +247,14 @@ def _total(
 
 def _significant(polynomial: arb_poly, size: arb, reach: float) -> list[arb]:
     """The coefficients that matter beside ``size``, for a variable up to ``reach``."""
-    found = polynomial.coeffs()
+    coefficients = polynomial.coeffs()
     bound = arb(NEGLIGIBLE) * size
-    while len(found) > 1 and abs(found[-1]) * arb(reach) ** (len(found) - 1) < bound:
-        found.pop()
-    return list(found)
+    while (
+        len(coefficients) > 1
+        and abs(coefficients[-1]) * arb(reach) ** (len(coefficients) - 1) < bound
+    ):
+        coefficients.pop()
+    return list(coefficients)
 
 
 def _round_coefficients(polynomial: arb_poly, reach: float) -> tuple[float, ...]:

@@ -78,19 +78,19 @@ def across_cuts(
     if not verdict.proved:
         return verdict
     ground = _Ground(field, periods, constant, beyond or constant)
-    found = []
+    verdicts = []
     for label, function in functions:
         if not constant or ground.has_letters or has_branches([function], function.free_symbols):
             try:
                 one = ground.verdict_on(function, verdict)
             except EngineLimit as limit:
                 one = Verdict("undecided", f"its cuts: {limit}")
-            found.append(replace(one, method=f"{label}: {one.method}") if label else one)
+            verdicts.append(replace(one, method=f"{label}: {one.method}") if label else one)
     for status in ("refuted", "undecided"):
-        for one in found:
+        for one in verdicts:
             if one.status == status:
                 return one
-    return _join_proofs(verdict, found)
+    return _join_proofs(verdict, verdicts)
 
 
 def flow_across_cuts(verdict: Verdict, field: VectorField, density: Any) -> Verdict:
@@ -121,8 +121,8 @@ def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any)
         return verdict
     try:
         both = [h for e in (1 / function, function) for h in divisors_of(e, field.relations)]
-        found = dict.fromkeys(h for h in both if h.free_symbols & moving)
-        passed = [h for h in found if ground.is_passed(h)]
+        divisors = dict.fromkeys(h for h in both if h.free_symbols & moving)
+        passed = [h for h in divisors if ground.is_passed(h)]
     except EngineLimit:
         return verdict.where(f"{name} != 0")
     return verdict.where(*(f"{_show(field.bridge.outward(h))} != 0" for h in passed))
@@ -131,8 +131,8 @@ def beside_zeros(verdict: Verdict, field: VectorField, name: str, function: Any)
 def positive_domain(field: VectorField, exprs: Sequence[Any], known: Sequence[Any]) -> list[str]:
     """What a proof takes for positive in expressions in the engine's symbols, in words: bases under
     letters that may be whole numbers, for all that hypotheses say that are ``known``."""
-    found = positive_bases(exprs, known)
-    open_ones = [b for b in found if known_sign(b, field.conditions) < 1]
+    bases = positive_bases(exprs, known)
+    open_ones = [b for b in bases if known_sign(b, field.conditions) < 1]
     return [f"{_show(field.bridge.outward(b))} > 0" for b in open_ones]
 
 
@@ -191,8 +191,8 @@ class _Ground:
         if open_cuts:
             return Verdict("undecided", f"whether it jumps where {_show(open_cuts[0])} = 0")
         if jumps:
-            found = _smallest([j.period for j in jumps])
-            proof = replace(proof, modulo=" and ".join(map(self._write, found)))
+            periods = _smallest([j.period for j in jumps])
+            proof = replace(proof, modulo=" and ".join(map(self._write, periods)))
         return self._with_domain(proof, function)
 
     def verdict_on_flow(self, density: Any, proof: Verdict) -> Verdict:
@@ -236,8 +236,8 @@ class _Ground:
 
     def _is_crossed(self, bound: Any) -> bool:
         """Whether a function is negative at some state at which the inertia is positive."""
-        found = islice(self._states([bound], self.hypotheses), _ENOUGH)
-        return any(v < 0 and _is_positive(mass) for _, (v,), mass in found)
+        states = islice(self._states([bound], self.hypotheses), _ENOUGH)
+        return any(v < 0 and _is_positive(mass) for _, (v,), mass in states)
 
     def is_passed(self, h: Any) -> bool:
         """Whether motions may pass from one side of h = 0 to the other."""
@@ -285,8 +285,8 @@ class _Ground:
 
     def _find_poles(self) -> list[Any]:
         rates = reversed(self.field.components)  # the longest first: they may be too long
-        found = [h for e in rates for h in divisors_of(e, self.relations)]
-        moving = [h for h in dict.fromkeys(found) if h.free_symbols & self.variables]
+        divisors = [h for e in rates for h in divisors_of(e, self.relations)]
+        moving = [h for h in dict.fromkeys(divisors) if h.free_symbols & self.variables]
         return [h for h in moving if not self._has_sign(h) and self._has_sides(h)]
 
     def _has_sides(self, h: Any) -> bool:
@@ -323,18 +323,18 @@ class _Ground:
         # before states are sought in vain: a proof that no motion crosses costs less
         if self._is_kept(h):
             return _Jump("", None, None, self._beside(cut))
-        found = next(self._crossings(cut, there, _FIRST), None)
-        if found is None and self._is_singular(there):
+        crossing = next(self._crossings(cut, there, _FIRST), None)
+        if crossing is None and self._is_singular(there):
             return None  # what is constant beside poles alone is told of all of them
-        found = found or next(self._crossings(cut, there, _SEEDS), None)
-        if found is not None:
+        crossing = crossing or next(self._crossings(cut, there, _SEEDS), None)
+        if crossing is not None:
             words = f"it jumps where {self._place(cut)}, which motions cross"
             # a map or a density that jumps where the field does still tears the motion that crosses
             is_excused = self.constant and self._is_jump_of_field(h)
             domain = self._beside(cut) if is_excused else ""
             is_turn = self._vanishes(cut.turned - cut.above, there)
             period = self._period(jump) if is_turn else None
-            return _Jump(words, period, witness_at(*found), domain)
+            return _Jump(words, period, witness_at(*crossing), domain)
         if self._is_pole(cut, there):
             return None
         return _Jump(f"whether it jumps where {self._place(cut)} is open", None, None)
@@ -549,9 +549,9 @@ def _relations_of(function: Any, relations: Sequence[Any]) -> tuple[Any, ...]:
     """The relations that bind symbols of a function, and those that bind symbols of these: others
     hold of other factors of a product, on which the function is constant."""
     held, kept = function.free_symbols, list[Any]()
-    while found := [r for r in relations if r not in kept and r.free_symbols & held]:
-        kept += found
-        held = held.union(*(r.free_symbols for r in found))
+    while further := [r for r in relations if r not in kept and r.free_symbols & held]:
+        kept += further
+        held = held.union(*(r.free_symbols for r in further))
     return tuple(r for r in relations if r in kept)
 
 

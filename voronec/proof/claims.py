@@ -56,20 +56,20 @@ def decide_integral(motions: Motions, function: sp.Expr) -> Decision:
     field = motions.field_for([function])
     named = field.read_with_momenta(function)
     inner = _innermost(named, frozenset(field.parameters))
-    found = all_zero([("", field.derivative(inner))], field.hypotheses)
-    if not found.proved and inner != named:
-        found = all_zero([("", field.derivative(named))], field.hypotheses)
+    verdict = all_zero([("", field.derivative(inner))], field.hypotheses)
+    if not verdict.proved and inner != named:
+        verdict = all_zero([("", field.derivative(named))], field.hypotheses)
     inside = [("", field.read_branches(function))]
-    return Decision(across_cuts(found, field, inside, constant=True), field.level)
+    return Decision(across_cuts(verdict, field, inside, constant=True), field.level)
 
 
 def _decide_equation(motions: Motions, equation: Equation) -> Decision:
     """dF/dt = G along the motion, entry by entry; the first entry that fails is named."""
     field = motions.field_for([*expressions_of(equation)])
     functions = [field.read_with_momenta(f) for f in equation.function]
-    found = field.derivatives(functions)
+    rates = field.derivatives(functions)
     claimed = [field.read(g) for g in equation.rate]
-    residuals = [a - b for a, b in zip(found, claimed, strict=True)]
+    residuals = [a - b for a, b in zip(rates, claimed, strict=True)]
     verdict = all_zero(_number_residuals(residuals), field.hypotheses)
     inside = _number_residuals([field.read_branches(f) for f in equation.function])
     return Decision(across_cuts(verdict, field, inside, beyond=True), field.level)
@@ -106,18 +106,23 @@ def _decide_integrable(motions: Motions, known: _Known) -> Decision:
     inside = [(f, where) for f, where in read if not f.free_symbols & outside]
     density = field.read(measure.density)
     # those that are integrals everywhere may suffice
-    found = _count_integrals(field, chosen, [f for f, where in inside if not where], density)
-    if (not found.proved or found.domain) and any(where for _, where in inside):
+    verdict = _count_integrals(field, chosen, [f for f, where in inside if not where], density)
+    if (not verdict.proved or verdict.domain) and any(where for _, where in inside):
         every = _count_integrals(field, chosen, [f for f, _ in inside], density)
-        if not (found.proved and every.domain):
-            found = every.where(*(where for _, where in inside))
-    return Decision(found.where(measured.domain), field.level)
+        if not (verdict.proved and every.domain):
+            verdict = every.where(*(where for _, where in inside))
+    return Decision(verdict.where(measured.domain), field.level)
 
 
 def _outside(motions: Motions, field: VectorField, chosen: Sequence[Any]) -> set[Any]:
     """The state variables of either level that are not among the chosen ones."""
-    own = motions.equations.definition
-    state = {*own.coordinates, *own.coordinate_velocities, *own.velocities, *field.variables}
+    definition = motions.equations.definition
+    state = {
+        *definition.coordinates,
+        *definition.coordinate_velocities,
+        *definition.velocities,
+        *field.variables,
+    }
     return state - {*chosen}
 
 
@@ -139,8 +144,8 @@ def _count_integrals(
     if independent < dimension - 2:
         return Verdict("undecided", f"at the points tried {independent} integrals are independent")
     why = f"a measure and {independent} independent integrals in {dimension} dimensions"
-    found = Verdict("proved", f"Euler and Jacobi: {why}")
-    return where_independent(found, field, functions, chosen, relations, dimension - 2)
+    verdict = Verdict("proved", f"Euler and Jacobi: {why}")
+    return where_independent(verdict, field, functions, chosen, relations, dimension - 2)
 
 
 Decide = Callable[[Motions, Any], Decision]
@@ -222,8 +227,10 @@ class _Known:
     def with_claims(self, system: System, claims: list[Claim]) -> _Known:
         """With what has been decided of a system and is still declared."""
         proved = {c.name: c.verdict for c in claims if c.kind == "integral" and c.verdict.proved}
-        own = ((right_of(e), proved[n].domain) for n, e in system.integrals.items() if n in proved)
-        integrals = self.integrals + tuple(own)
+        added = (
+            (right_of(e), proved[n].domain) for n, e in system.integrals.items() if n in proved
+        )
+        integrals = self.integrals + tuple(added)
         for claim in claims:
             if claim.kind == "measure" and system.measure is not None:
                 return _Known(integrals, right_of(system.measure), claim.verdict)
@@ -241,18 +248,18 @@ def check_claims(
     proved that there are no motions.
     """
     tell = callback("check_claims", "progress", progress) or (lambda _: None)
-    own = require_system(getattr(system, "system", system))
+    declared = require_system(getattr(system, "system", system))
     try:
         motions = system if isinstance(system, Motions) else Motions.of(system)
         _ = motions.on_coordinates
     except EngineLimit as limit:
-        claims = _claims_without_equations(own, limit)
+        claims = _claims_without_equations(declared, limit)
     else:
         claims = _claims_of(motions, _Known(), tell)
     known = [*claims]
-    for name, case in own.cases.items():
-        claims += _claims_of_case(own, name, case, known, tell)
-    return [_with_reason(claim, own) for claim in claims]
+    for name, case in declared.cases.items():
+        claims += _claims_of_case(declared, name, case, known, tell)
+    return [_with_reason(claim, declared) for claim in claims]
 
 
 def _claims_without_equations(system: System, limit: EngineLimit) -> list[Claim]:
@@ -276,7 +283,7 @@ def _claims_of_case(
     tell(f"case {name}")
     try:
         general = _Known().with_claims(specialise(system, case.parameters), known)
-        found = _claims_of(Motions.of(case_of(system, case)), general, tell)
+        claims = _claims_of(Motions.of(case_of(system, case)), general, tell)
     except DefinitionError as error:
         return [Claim("case", name, Verdict("refuted", str(error)))]
     except EngineLimit as limit:
@@ -284,22 +291,22 @@ def _claims_of_case(
     except Exception as error:  # a mistake of the engine
         how = " ".join(f"{type(error).__name__}: {error}".split())
         return [Claim("case", name, Verdict("undecided", how), broken=True)]
-    return [replace(c, name=f"{name}: {c.name}") for c in found if c.kind != "descent"]
+    return [replace(c, name=f"{name}: {c.name}") for c in claims if c.kind != "descent"]
 
 
 def _claims_of(motions: Motions, general: _Known, tell: Callable[[str], None]) -> list[Claim]:
     """The claims of one system; ``general`` is what is known already."""
-    own = motions.system
+    system = motions.system
     _ = motions.on_coordinates  # the derivation belongs to no claim
-    descent = _decide_claim("descent", ", ".join(own.invariants), _descends, motions, None)
+    descent = _decide_claim("descent", ", ".join(system.invariants), _descends, motions, None)
     claims: list[Claim] = []
-    for kind, name, _, _, value in declared_claims(own):
+    for kind, name, _, _, value in declared_claims(system):
         decide = DECIDERS.get(kind, _decide_assertion)
         # a theorem rests on what has been decided before it
-        about = general.with_claims(own, claims) if kind == "integrable" else value
+        about = general.with_claims(system, claims) if kind == "integrable" else value
         tell(f"{kind} {name}")
         claims.append(_decide_claim(kind, name, decide, motions, about))
-    return [*claims, descent] if own.invariants else claims
+    return [*claims, descent] if system.invariants else claims
 
 
 def _decide_assertion(motions: Motions, claim: Assertion) -> Decision:
@@ -330,24 +337,24 @@ def _descends(motions: Motions, _: Any) -> Decision:
         _ = motions.reduction
     except DefinitionError as refusal:
         return Decision(Verdict("refuted", str(refusal)))
-    found = Verdict("proved", "equations closed in the invariants, by elimination")
+    verdict = Verdict("proved", "equations closed in the invariants, by elimination")
     field = motions.on_coordinates
     inside = [(f"'{name}'", field.read(g)) for name, g in motions.system.invariants.items()]
-    return Decision(across_cuts(found, field, inside))
+    return Decision(across_cuts(verdict, field, inside))
 
 
 def _decide_claim(kind: str, name: str, decide: Decide, motions: Motions, claim: Any) -> Claim:
     """A claim, timed; a corrected one is two."""
     begin = clock.perf_counter()
-    found = _decide_within_limits(decide, motions, right_of(claim))
-    found = replace(found, verdict=not_vacuous(found.verdict, motions.on_coordinates))
-    printed, source, verdict = None, "", found.verdict
+    decision = _decide_within_limits(decide, motions, right_of(claim))
+    decision = replace(decision, verdict=not_vacuous(decision.verdict, motions.on_coordinates))
+    printed, source, verdict = None, "", decision.verdict
     if isinstance(claim, Corrected):
         printed = _decide_within_limits(decide, motions, claim.printed).verdict
         source = claim.source
-        verdict = _correction_verdict(found.verdict, printed)
+        verdict = _correction_verdict(decision.verdict, printed)
     seconds = clock.perf_counter() - begin
-    return Claim(kind, name, verdict, found.level, seconds, printed, source)
+    return Claim(kind, name, verdict, decision.level, seconds, printed, source)
 
 
 def _decide_within_limits(decide: Decide, motions: Motions, claim: Any) -> Decision:
@@ -429,8 +436,8 @@ def case_of(system: System, case: Case) -> System:
     at = _case_values(system, case.parameters)
     bare = replace(system, **without_claims())
     fields = [kind.field for kind in KINDS if hasattr(case, kind.field)]
-    own = {field: replace_symbols(getattr(case, field), at) for field in fields}
-    return replace(specialise(bare, case.parameters), **own)
+    claims = {field: replace_symbols(getattr(case, field), at) for field in fields}
+    return replace(specialise(bare, case.parameters), **claims)
 
 
 def _case_values(system: System, parameters: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
@@ -461,15 +468,15 @@ def _kept_claims(system: System, at: Mapping[Any, Any]) -> dict[str, Any]:
 
 def _finite_claims(claims: Mapping[str, Any], at: Mapping[Any, Any]) -> dict[str, Any]:
     """Claims with parameters replaced, but for those that this makes infinite."""
-    found = {}
+    finite = {}
     for name, claim in claims.items():
         try:
             special = replace_symbols(claim, at)
         except DefinitionError:
             continue
         if not any(e.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for e in expressions_of(special)):
-            found[name] = special
-    return found
+            finite[name] = special
+    return finite
 
 
 def _without(scene: Any, names: set[str]) -> Any:

@@ -23,12 +23,12 @@ from voronec.proof.decision import Decision
 def decide_essential(motions: Motions, variables: Sequence[Any]) -> Decision:
     """Whether the rates of some state variables depend on these, parameters and the time alone."""
     field = motions.field_for([*variables])
-    own = [field.bridge.inward(x) for x in variables]
-    strangers = [x for x, y in zip(variables, own, strict=True) if y not in field.variables]
+    symbols = [field.bridge.inward(x) for x in variables]
+    strangers = [x for x, y in zip(variables, symbols, strict=True) if y not in field.variables]
     if strangers:
         why = f"'{plain_name(strangers[0])}' is no variable of the equations on the {field.level}"
         return Decision(Verdict("refuted", why), field.level)
-    return Decision(foreign_rate(field, own), field.level)
+    return Decision(foreign_rate(field, symbols), field.level)
 
 
 def foreign_rate(field: VectorField, own: Sequence[Any]) -> Verdict:

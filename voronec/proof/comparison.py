@@ -185,12 +185,12 @@ def _has_shape(data: Any, shape: Any) -> bool:
 
 def _positive(system: System) -> Iterator[str]:
     """What is declared to be positive, in names of parameters."""
-    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    named = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
     yield from (p.name for p in system.parameters if p.is_positive)
     for condition in system.conditions:
         for part in condition.args if isinstance(condition, sp.And) else (condition,):
             if isinstance(part, sp.StrictGreaterThan | sp.StrictLessThan):
-                yield plain_text((part.gts - part.lts).xreplace(own))
+                yield plain_text((part.gts - part.lts).xreplace(named))
 
 
 def read_derivation(path: str | Path) -> StoredDerivation:
@@ -235,7 +235,7 @@ def _entry_groups(eqs: VoronecEquations) -> dict[str, dict[str, str]]:
     if not eqs.in_normal_form:
         return {}
     v = _names(eqs.velocities)
-    found = {
+    groups = {
         "rates": _nonzero(zip(_names(eqs.coordinates), eqs.rates, strict=True)),
         "mass": _symmetric(v, eqs.mass),
         "force": _nonzero(zip(v, eqs.force, strict=True)),
@@ -244,9 +244,9 @@ def _entry_groups(eqs: VoronecEquations) -> dict[str, dict[str, str]]:
         try:
             parts = vertical_parts(eqs.exact)
         except EngineLimit:
-            return found
-        found["curvature"] = _curvature(eqs, parts)
-    return found
+            return groups
+        groups["curvature"] = _curvature(eqs, parts)
+    return groups
 
 
 def _curvature(eqs: VoronecEquations, parts: Any) -> dict[str, str]:
@@ -273,16 +273,16 @@ def _reduced_equations(
     if not eqs.system.invariants:
         return {}, {}
     try:
-        found = descend(eqs)
+        reduced = descend(eqs)
     except (DefinitionError, EngineLimit):
         return {}, {}
     v = _names(eqs.velocities)
     groups = {
-        "reduced rates": _nonzero(zip(map(str, found.invariants), found.rates, strict=True)),
-        "reduced mass": _symmetric(v, found.mass),
-        "reduced force": _nonzero(zip(v, found.force, strict=True)),
+        "reduced rates": _nonzero(zip(map(str, reduced.invariants), reduced.rates, strict=True)),
+        "reduced mass": _symmetric(v, reduced.mass),
+        "reduced force": _nonzero(zip(v, reduced.force, strict=True)),
     }
-    return groups, {"reduced": [plain_text(r) for r in found.relations]}
+    return groups, {"reduced": [plain_text(r) for r in reduced.relations]}
 
 
 def _symmetric(names: list[str], matrix: Any) -> dict[str, str]:
@@ -465,7 +465,7 @@ def _groups(first: StoredDerivation, second: StoredDerivation) -> Iterator[str]:
 def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> Iterator[Row]:
     ours, theirs = first.groups[group], second.groups[group]
     part = "reduced" if group.startswith("reduced") else ""
-    shared, own = _known(first, second)
+    shared, unshared = _known(first, second)
     for name in dict.fromkeys((*ours, *theirs)):
         a, b = ours.get(name, "0"), theirs.get(name, "0")
         if a == b:
@@ -474,9 +474,9 @@ def _entries(first: StoredDerivation, second: StoredDerivation, group: str) -> I
         ideal = [*map(read_expression, first.ideals.get(part, ())), *shared]
         sides = read_expression(a), read_expression(b)
         verdict = prove_equal(*sides, ideal)
-        used = [c for c in own if any(c.free_symbols & e.free_symbols for e in sides)]
+        used = [c for c in unshared if any(c.free_symbols & e.free_symbols for e in sides)]
         if used and not verdict.proved:
-            closer = prove_equal(*sides, [*ideal, *own]).where(*map(str, used))
+            closer = prove_equal(*sides, [*ideal, *unshared]).where(*map(str, used))
             verdict = verdict if closer.undecided else closer
         how = verdict.method if verdict.witness is None else str(verdict.witness)
         yield Row(group, name, verdict.status, a, b, how, verdict.domain)
@@ -502,8 +502,8 @@ def _conditions(side: StoredDerivation, signs_alone: bool) -> list[Any] | None:
     if signs_alone or side.equations is None:
         return signs
     system = side.equations.system
-    own = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
-    return [*signs, *(c.xreplace(own) for c in system.conditions)]
+    named = {p.symbol: sp.Symbol(p.name) for p in system.parameters}
+    return [*signs, *(c.xreplace(named) for c in system.conditions)]
 
 
 def _accelerations(first: StoredDerivation, second: StoredDerivation) -> Iterator[Row]:

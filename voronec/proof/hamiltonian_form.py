@@ -49,27 +49,30 @@ def decide_multiplier(motions: Motions, multiplier: sp.Expr) -> Decision:
     """Whether N is a reducing multiplier, dtau = N dt."""
     field = motions.on_coordinates
     n = field.read(multiplier)
-    found = zero_everywhere(n, "the multiplier", field.hypotheses)
-    if found is None:
-        found = _verdict(motions, field, n)
-        found = across_cuts(found, field, [("the multiplier", n)], periods=False, beyond=True)
-        found = where_nonzero(found, field, "the multiplier", n)
-        found = beside_zeros(found, field, "the multiplier", n)
-    return Decision(found, field.level)
+    verdict = zero_everywhere(n, "the multiplier", field.hypotheses)
+    if verdict is None:
+        verdict = _verdict(motions, field, n)
+        verdict = across_cuts(verdict, field, [("the multiplier", n)], periods=False, beyond=True)
+        verdict = where_nonzero(verdict, field, "the multiplier", n)
+        verdict = beside_zeros(verdict, field, "the multiplier", n)
+    return Decision(verdict, field.level)
 
 
 def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
     equations = motions.equations
-    own = equations.definition
-    if own.group is not None:
+    definition = equations.definition
+    if definition.group is not None:
         return _verdict_on_group(motions, field, n)
     if not equations.has_coordinate_frame:
         return Verdict("undecided", "the base coordinates are redundant; choose independent ones")
-    base, fibre = own.coordinates[: own.base], own.coordinates[own.base :]
-    dots = own.coordinate_velocities[: own.base]
+    base, fibre = (
+        definition.coordinates[: definition.base],
+        definition.coordinates[definition.base :],
+    )
+    dots = definition.coordinate_velocities[: definition.base]
     lagrangian = _constrained_lagrangian(motions, dots)
     foreign = _foreign(
-        lagrangian, n, (*fibre, own.time), (*dots, *own.velocities), field.hypotheses
+        lagrangian, n, (*fibre, definition.time), (*dots, *definition.velocities), field.hypotheses
     )
     if foreign is not None:
         return foreign
@@ -90,9 +93,9 @@ def _verdict(motions: Motions, field: VectorField, n: Any) -> Verdict:
 def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     """The verdict on a group: the space of the coordinates is the base."""
     derivation = motions.equations.best
-    own, connection = derivation.definition, derivation.connection
+    definition, connection = derivation.definition, derivation.connection
     lagrangian, momenta = derivation.constrained_lagrangian, derivation.quasi_momenta
-    foreign = _foreign(lagrangian, n, (own.time,), own.velocities, field.hypotheses)
+    foreign = _foreign(lagrangian, n, (definition.time,), definition.velocities, field.hypotheses)
     if foreign is not None:
         return foreign
     chosen = _independent_coordinates(
@@ -106,7 +109,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
     rows = [connection.coordinate_lift[a] for a in chosen]
     columns = [[row[i] for row in rows] for i in size]
     weights = [w[0] for w in solve_linear(columns, [[p] for p in momenta], field.hypotheses).values]
-    power = dot(momenta, own.velocities)
+    power = dot(momenta, definition.velocities)
     growth = field.derivative(n) / n
     residuals = []
     for i in size:
@@ -116,7 +119,7 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
         ]
         residuals.append(
             (
-                f"the equation of '{own.velocities[i]}'",
+                f"the equation of '{definition.velocities[i]}'",
                 se.Add(
                     derivation.right[i],
                     growth * momenta[i],
@@ -132,16 +135,16 @@ def _verdict_on_group(motions: Motions, field: VectorField, n: Any) -> Verdict:
 def _independent_coordinates(field: VectorField, rows: Sequence[Sequence[Any]]) -> list[int]:
     """As many coordinates as velocities, with independent rates; none where there are not."""
     failure = "no point was found on the relations between the coordinates"
-    found = generic_rows(rows, field.hypotheses, failure=failure)
-    return found if rows and len(found) == len(rows[0]) else []
+    chosen = generic_rows(rows, field.hypotheses, failure=failure)
+    return chosen if rows and len(chosen) == len(rows[0]) else []
 
 
 def _constrained_lagrangian(motions: Motions, dots: Sequence[Any]) -> Any:
     """Lc(r, rdot): the Lagrangian on the constraints, in velocities of the base."""
-    own, fibre = motions.equations.definition, motions.equations.best.fibre
-    sdots = own.coordinate_velocities[own.base :]
+    definition, fibre = motions.equations.definition, motions.equations.best.fibre
+    sdots = definition.coordinate_velocities[definition.base :]
     solved = AffineForms(fibre.matrix, fibre.offset)
-    return own.lagrangian.xreplace(dict(zip(sdots, solved.expressions(dots), strict=True)))
+    return definition.lagrangian.xreplace(dict(zip(sdots, solved.expressions(dots), strict=True)))
 
 
 def _foreign(
@@ -166,21 +169,23 @@ def _foreign(
 def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
     """The variables determine the state, Jacobi's identity, kept relations, the equations."""
     functions = [v for k, v in claim.variables.items() if v != k]
-    own = {k for k, v in claim.variables.items() if v == k}
+    plain = {k for k, v in claim.variables.items() if v == k}
     others = (*claim.bracket.values(), claim.hamiltonian, claim.clock)
-    names = {*claim.variables} - own
+    names = {*claim.variables} - plain
     used = [s for e in others for s in e.free_symbols if s not in names]
-    field = motions.field_for([*functions, *own, *used])
+    field = motions.field_for([*functions, *plain, *used])
     structure = _Structure(field, claim)
     if structure.inverse is None:
         words = f"the {len(claim.variables)} variables do not determine the state"
         why = f"{words} on the {field.level}, of {field.dimension} dimensions"
         return Decision(Verdict("refuted", why), field.level)
-    found = all_zero(structure.residuals(), field.hypotheses)
-    found = across_cuts(found, field, [*structure.named_variables()])
-    found = across_cuts(found, field, [*structure.named_functions()], periods=False, beyond=True)
-    found = where_independent(
-        found,
+    verdict = all_zero(structure.residuals(), field.hypotheses)
+    verdict = across_cuts(verdict, field, [*structure.named_variables()])
+    verdict = across_cuts(
+        verdict, field, [*structure.named_functions()], periods=False, beyond=True
+    )
+    verdict = where_independent(
+        verdict,
         field,
         [*structure.meaning.values()],
         field.variables,
@@ -188,9 +193,9 @@ def decide_poisson(motions: Motions, claim: Poisson) -> Decision:
         len(structure.symbols),
     )
     clock = structure.read(claim.clock).xreplace(structure.meaning)
-    found = where_nonzero(found, field, "the clock", clock)
-    found = beside_zeros(found, field, "the clock", clock)
-    return Decision(found, field.level)
+    verdict = where_nonzero(verdict, field, "the clock", clock)
+    verdict = beside_zeros(verdict, field, "the clock", clock)
+    return Decision(verdict, field.level)
 
 
 @dataclass(frozen=True)
@@ -233,9 +238,9 @@ class _Structure:
     @cached_property
     def bound(self) -> tuple[Any, ...]:
         """The relations, where the variables are as many as are independent."""
-        found = self.field.independent_relations
-        count = len(self.symbols) + len(found)
-        return found if count == len(self.field.variables) else ()
+        relations = self.field.independent_relations
+        count = len(self.symbols) + len(relations)
+        return relations if count == len(self.field.variables) else ()
 
     @cached_property
     def inverse(self) -> list[list[Any]] | None:
@@ -252,12 +257,12 @@ class _Structure:
     def slopes(self, function: Any) -> list[Any]:
         """The derivatives of a function of z and x by each z."""
         assert self.inverse is not None
-        found = [function.diff(z) for z in self.symbols]
+        partials = [function.diff(z) for z in self.symbols]
         for x, row in zip(self.field.variables, self.inverse, strict=True):
             slope = function.diff(x)
             if slope != 0:
-                found = [d + slope * e for d, e in zip(found, row, strict=False)]
-        return found
+                partials = [d + slope * e for d, e in zip(partials, row, strict=False)]
+        return partials
 
     def along(self, i: int, slopes: list[Any]) -> Any:
         """{z_i, F} from the derivatives of F."""

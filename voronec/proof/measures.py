@@ -41,12 +41,12 @@ def divergence(density: Any, flow: Mapping[Any, Any]) -> sp.Expr:
     It vanishes where the density is that of an invariant measure.  Raises ``DefinitionError`` for
     what is no variable, or no expression.
     """
-    own = expression(density, "the density")
+    weight = expression(density, "the density")
     rates = {x: expression(rate, f"the rate of '{quote(x)}'") for x, rate in flow.items()}
     for x in rates:
         plain_name(x)  # refuses what is no variable
     named = {x: sp.Symbol(x) if isinstance(x, str) else x for x in rates}
-    return sp.Add(*[derivative(own * rate, named[x]) for x, rate in rates.items()])
+    return sp.Add(*[derivative(weight * rate, named[x]) for x, rate in rates.items()])
 
 
 def decide_measure(motions: Motions, measure: Measure) -> Decision:
@@ -60,16 +60,16 @@ def decide_measure(motions: Motions, measure: Measure) -> Decision:
         closed = foreign_rate(field, chosen)
         if not closed.proved:
             return Decision(closed, field.level)
-    found = zero_everywhere(field.read(measure.density), "the density", field.hypotheses)
-    if found is None:
+    verdict = zero_everywhere(field.read(measure.density), "the density", field.hypotheses)
+    if verdict is None:
         residual = defect(field, field.read_density(measure.density), chosen)
-        found = all_zero([("", residual)], field.hypotheses)
+        verdict = all_zero([("", residual)], field.hypotheses)
         inside = [("the density", field.read_branches(measure.density))]
-        found = across_cuts(found, field, inside, periods=False, beyond=True)
-        found = flow_across_cuts(found, field, field.read(measure.density))
-        found = where_nonzero(found, field, "the density", inside[0][1])
-        found = where_of_one_sign(found, field, "the density", inside[0][1])
-    return Decision(found, field.level)
+        verdict = across_cuts(verdict, field, inside, periods=False, beyond=True)
+        verdict = flow_across_cuts(verdict, field, field.read(measure.density))
+        verdict = where_nonzero(verdict, field, "the density", inside[0][1])
+        verdict = where_of_one_sign(verdict, field, "the density", inside[0][1])
+    return Decision(verdict, field.level)
 
 
 def measured_field(motions: Motions, measure: Measure) -> VectorField:
@@ -141,8 +141,8 @@ def _relative_defect(field: VectorField, density: Any) -> Any:
         for f, row in zip(field.force, field.mass, strict=True)
     ]
     rest = [rate.diff(q) for rate, q in zip(field.rates, field.positions, strict=True)]
-    found = se.Add(still, *rest, _trace(field, changes))
-    return field.express(found) - _drift(field, field.independent_relations)
+    total = se.Add(still, *rest, _trace(field, changes))
+    return field.express(total) - _drift(field, field.independent_relations)
 
 
 def _trace(field: VectorField, x: Sequence[Sequence[Any]]) -> Any:

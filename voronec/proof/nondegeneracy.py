@@ -129,13 +129,13 @@ def where_of_rank(
 
 def _join_pieces(lacking: Iterable[Sides]) -> list[Sides]:
     """Pieces as few as possible, two that differ in one side joined."""
-    found = list(dict.fromkeys(lacking))
+    pieces = list(dict.fromkeys(lacking))
     while True:
-        pair = next(((a, b, a & b) for a in found for b in found if _is_split(a, b)), None)
+        pair = next(((a, b, a & b) for a in pieces for b in pieces if _is_split(a, b)), None)
         if pair is None:
-            return found
+            return pieces
         a, b, both = pair
-        found = list(dict.fromkeys([*(c for c in found if c not in (a, b)), both]))
+        pieces = list(dict.fromkeys([*(c for c in pieces if c not in (a, b)), both]))
 
 
 def _is_split(a: Sides, b: Sides) -> bool:
@@ -177,15 +177,15 @@ class _Need:
 
     def _ranks(self, rows: Rows, known: Sequence[Any], held: Sequence[Any] = ()) -> list[int]:
         """The rank at some points with values of what conditions hold, too."""
-        found, width, size = list[int](), len(rows[0]), sum(map(len, rows))
+        ranks, width, size = list[int](), len(rows[0]), sum(map(len, rows))
         tape = Tape([*(e for row in rows for e in row), *held])
         for bits in (SHARP, PROOF):
             samples = sample_evaluable(tape, known, bits, count=POINTS)
             tables = ([v[i : i + width] for i in range(0, size, width)] for _, v in samples)
-            found = [proved_rank(table, bits) for table in tables]
-            if not found or min(found) >= self.rank:
+            ranks = [proved_rank(table, bits) for table in tables]
+            if not ranks or min(ranks) >= self.rank:
                 break
-        return found
+        return ranks
 
     def letters(self, piece: SpacePiece) -> list[Any]:
         """Functions of parameters alone of which it is not known that they do not vanish, and where
@@ -197,10 +197,10 @@ class _Need:
             return []
         try:
             products = [self._minor(rows)] if self.rank <= LARGEST else entries
-            found = [product_of(e, tuple(self.field.relations)).powers.items() for e in products]
+            factors = [product_of(e, tuple(self.field.relations)).powers.items() for e in products]
         except EngineLimit:
             return []
-        powers = dict.fromkeys(h for items in found for h, k in items if k > 0)
+        powers = dict.fromkeys(h for items in factors for h, k in items if k > 0)
         still = [h for h in powers if moving.isdisjoint(h.free_symbols)]
         known = self.field.hypotheses
         open_ones = [h for h in still if not known_sign(h, known, strict=True)]

@@ -188,14 +188,14 @@ def _shares(
     is there, -1, 0 or 1, as numbers suggest."""
     seen = [ground.at_level(e) for p in poles for e in (p.place, p.bottom, p.share)]
     for _, values in sample_evaluable(Tape(seen), ground.field.hypotheses, GENERIC, count=1):
-        found: dict[_FractionAtPole, int] = {}
+        shares: dict[_FractionAtPole, int] = {}
         places: list[Any] = []
         for i, pole in enumerate(poles):
             place, bottom, share = values[3 * i : 3 * i + 3]
             if bottom.contains(0) and not any(place.overlaps(c) for c in places):
-                found[pole] = max(-1, min(1, round(float(share.mid()))))
+                shares[pole] = max(-1, min(1, round(float(share.mid()))))
                 places.append(place)
-        return found
+        return shares
     raise EngineLimit("no point was found at which the residues can be read off")
 
 
@@ -228,32 +228,35 @@ class InSpace:
     def orthogonal(self) -> Verdict:
         """E^T E = 1, and the columns are right-handed."""
         a, b, c = zip(*self.frame, strict=True)
-        found = [("lengths", dot(e, e) - 1) for e in (a, b)]
-        found.append(("right angle", dot(a, b)))
+        residuals = [("lengths", dot(e, e) - 1) for e in (a, b)]
+        residuals.append(("right angle", dot(a, b)))
         crossed = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
-        found += [("third column", x - y) for x, y in zip(crossed, c, strict=True)]
-        return self.ground.zero(found)
+        residuals += [("third column", x - y) for x, y in zip(crossed, c, strict=True)]
+        return self.ground.zero(residuals)
 
     def constant(self) -> Verdict:
         """d(E m)/dt = 0."""
         rates = self.ground.field.derivatives([dot(row, self.vector) for row in self.frame])
-        found = self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
+        verdict = self.ground.zero([(f"component {i + 1}", r) for i, r in enumerate(rates)])
         parts = [(f"component {i + 1}", dot(row, self.vector)) for i, row in enumerate(self.frame)]
-        return across_cuts(found, self.ground.field, parts, constant=True)
+        return across_cuts(verdict, self.ground.field, parts, constant=True)
 
     def free(self) -> Verdict:
         """Nothing else, nor how the frame turns along itself, depends on coordinates in space."""
         field = self.ground.field
-        own = [field.read(q) for q in self.space.coordinates]
+        coordinates = [field.read(q) for q in self.space.coordinates]
         pairs = zip(field.variables, field.components, strict=True)
-        rest = [(f"the rate of {q}", rate) for q, rate in pairs if q not in own]
+        rest = [(f"the rate of {q}", rate) for q, rate in pairs if q not in coordinates]
         rest += [(f"the vector, {i + 1}", m) for i, m in enumerate(self.vector)]
         rest += [(f"{s}", e) for s, e in self.ground.level.items()]
         rest += [(f"the turning, {i + 1}", e) for i, e in enumerate(self._rotation_entries())]
-        found = [
-            (f"{what} by {q}", e.diff(q)) for what, e in rest for q in own if q in e.free_symbols
+        residuals = [
+            (f"{what} by {q}", e.diff(q))
+            for what, e in rest
+            for q in coordinates
+            if q in e.free_symbols
         ]
-        return self.ground.zero(found)
+        return self.ground.zero(residuals)
 
     def _rotation_entries(self) -> list[Any]:
         """The three entries of E^T dE/dt."""
@@ -269,14 +272,14 @@ class InSpace:
             field.bridge.inward(self.space.entries[i, j]): self.frame[i][j]
             for i in range(3) for j in range(3)
         }  # fmt: skip
-        found: Residuals = []
+        residuals: Residuals = []
         for q, value in self.space.coordinates.items():
             off = field.bridge.inward(value).xreplace(entries) - field.read(q)
-            found += [
+            residuals += [
                 (f"sin({plain_name(q)})", angles.resolve(se.sin(off))),
                 (f"cos({plain_name(q)})", angles.resolve(se.cos(off)) - 1),
             ]
-        return self.ground.zero(found)
+        return self.ground.zero(residuals)
 
 
 def check_motion(motions: Motions) -> Iterator[Claim]:
@@ -314,21 +317,21 @@ def statements(ground: QuadratureGround) -> Iterator[tuple[str, Callable[[], Ver
 
 def _constant(ground: QuadratureGround, symbol: sp.Symbol) -> Verdict:
     function = ground.level[ground.field.bridge.inward(symbol)]
-    found = ground.zero([("", ground.field.derivative(function))])
-    return across_cuts(found, ground.field, [("", function)], constant=True)
+    verdict = ground.zero([("", ground.field.derivative(function))])
+    return across_cuts(verdict, ground.field, [("", function)], constant=True)
 
 
 def _quartic(ground: QuadratureGround) -> Verdict:
-    found = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
+    verdict = ground.zero([("", ground.run**2 - ground.on_level(ground.motion.quartic))])
     # what bounces, as |cos(u)| does, obeys the quartic on both sides, and the closed form goes on
     variable = [
         ("the variable", ground.field.read(ground.motion.meaning)),
         ("its rate", ground.run),
     ]
-    back = _where_time_runs_back(ground) if found.proved else None
+    back = _where_time_runs_back(ground) if verdict.proved else None
     if back is not None:
         return back
-    return across_cuts(found, ground.field, variable, periods=False)
+    return across_cuts(verdict, ground.field, variable, periods=False)
 
 
 def _where_time_runs_back(ground: QuadratureGround) -> Verdict | None:
@@ -346,8 +349,8 @@ def _where_time_runs_back(ground: QuadratureGround) -> Verdict | None:
 
 def _rate(ground: QuadratureGround, q: sp.Expr) -> Verdict:
     there = ground.data_for(q)
-    found = there(ground.field.derivative(ground.field.read(q)) * ground.pace)
-    return ground.zero([("", found - there(ground.on_level(ground.motion.integrals[q])))])
+    rate = there(ground.field.derivative(ground.field.read(q)) * ground.pace)
+    return ground.zero([("", rate - there(ground.on_level(ground.motion.integrals[q])))])
 
 
 def _pole(ground: QuadratureGround, place: sp.Expr) -> Verdict:
@@ -359,8 +362,8 @@ def _pole(ground: QuadratureGround, place: sp.Expr) -> Verdict:
 
 def _trace(ground: QuadratureGround, trace: Trace) -> Verdict:
     there = ground.data_for(trace.colatitude)
-    found = there(se.cos(ground.field.read(trace.colatitude)))
-    return ground.zero([("", found - there(ground.on_level(trace.cosine)))])
+    cosine = there(se.cos(ground.field.read(trace.colatitude)))
+    return ground.zero([("", cosine - there(ground.on_level(trace.cosine)))])
 
 
 def _velocity(ground: QuadratureGround, v: sp.Expr) -> Verdict:
@@ -371,13 +374,13 @@ def _velocity(ground: QuadratureGround, v: sp.Expr) -> Verdict:
 def _direction(ground: QuadratureGround, plane: Plane) -> Verdict:
     """The vector in the plane is constant, and as long as is said."""
     a, b = (ground.field.read(e) for e in plane.direction)
-    found = [
+    residuals = [
         (f"the rate of {quote(e)}", rate)
         for e, rate in zip(plane.direction, ground.field.derivatives([a, b]), strict=True)
     ]
-    found.append(("the length", a**2 + b**2 - ground.on_level(plane.length) ** 2))
+    residuals.append(("the length", a**2 + b**2 - ground.on_level(plane.length) ** 2))
     parts = [(quote(e), part) for e, part in zip(plane.direction, (a, b), strict=True)]
-    return across_cuts(ground.zero(found), ground.field, parts, constant=True)
+    return across_cuts(ground.zero(residuals), ground.field, parts, constant=True)
 
 
 def _along(ground: QuadratureGround, plane: Plane) -> Verdict:

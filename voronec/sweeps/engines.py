@@ -84,7 +84,7 @@ def spread(portions: Iterable[Portion], submit: Submit) -> Iterator[tuple[int, C
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
                 portion, born = waiting.pop(future)
                 try:
-                    found = future.result()
+                    computed = future.result()
                 except Exception as error:
                     if isinstance(error, VoronecError) and not isinstance(error, ProcessEnd):
                         raise
@@ -96,7 +96,7 @@ def spread(portions: Iterable[Portion], submit: Submit) -> Iterator[tuple[int, C
                         raise _loss(error, fruitful) from None
                     continue
                 deaths, fruitful = 0, True
-                yield portion.chunk, found
+                yield portion.chunk, computed
     except (BrokenProcessPool, RuntimeError, OSError) as error:  # it takes no more work
         raise _loss(error, fruitful) from None
     finally:

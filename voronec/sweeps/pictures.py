@@ -110,9 +110,9 @@ def _density(panel: Any, place: np.ndarray, values: np.ndarray) -> None:
 def _quantiles(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The 5th, 50th and 95th of a hundred along the last axis, of the numbers that are there."""
     there = np.isfinite(values).any(axis=-1)
-    found = np.full((3, *values.shape[:-1]), np.nan)
-    found[:, there] = np.nanquantile(values[there], (0.05, 0.5, 0.95), axis=-1)
-    return found[0], found[1], found[2]
+    quantiles = np.full((3, *values.shape[:-1]), np.nan)
+    quantiles[:, there] = np.nanquantile(values[there], (0.05, 0.5, 0.95), axis=-1)
+    return quantiles[0], quantiles[1], quantiles[2]
 
 
 def _histogram(panel: Any, values: np.ndarray, name: str) -> None:

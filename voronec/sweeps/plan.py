@@ -88,8 +88,8 @@ class SweepPlan:
     def shape(self) -> tuple[int, ...]:
         """How long each axis is."""
         count = len(next(iter(self.starts.values()), ()))
-        own = tuple(map(len, self.axes.values()))
-        return (*own, max(count, 1)) if count or not own else own
+        lengths = tuple(map(len, self.axes.values()))
+        return (*lengths, max(count, 1)) if count or not lengths else lengths
 
     @property
     def dimensions(self) -> tuple[str, ...]:
@@ -102,11 +102,11 @@ class SweepPlan:
     @cached_property
     def box(self) -> tuple[int, ...]:
         """The shape of a chunk."""
-        found, left = [], self.size
+        sides, left = [], self.size
         for length in reversed(self.shape):
-            found.append(max(1, min(length, left)))
+            sides.append(max(1, min(length, left)))
             left //= length
-        return tuple(reversed(found))
+        return tuple(reversed(sides))
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -133,8 +133,8 @@ class SweepPlan:
         """What its motions start from, an entry each, by name."""
         indices = dict(zip(self.dimensions, np.unravel_index(self.rows(chunk), self.shape),
                            strict=True))  # fmt: skip
-        found = {name: values[indices[name]] for name, values in self.axes.items()}
-        return found | {name: values[indices[START]] for name, values in self.starts.items()}
+        grid = {name: values[indices[name]] for name, values in self.axes.items()}
+        return grid | {name: values[indices[START]] for name, values in self.starts.items()}
 
 
 def make_plan(

@@ -76,17 +76,17 @@ def read_records(namespace: Namespace, record: Any) -> tuple[RecordColumn, ...]:
     asked = [*named.values()] if named else several(alone, "record", "'final'")
     if not asked:
         raise DefinitionError("record: name what is to be recorded, such as 'final' or 'max(x)'")
-    found: dict[str, RecordColumn] = {}
+    columns: dict[str, RecordColumn] = {}
     for i, one in enumerate(asked):
         parts = _read(namespace, one)
         for part in parts:
             name = part.column
             if named is not None:
                 name = [*named][i] if len(parts) == 1 else f"{[*named][i]}: {name}"
-            if name in found and named is not None:
+            if name in columns and named is not None:
                 raise DefinitionError(f"record: '{name}' stands twice; give it another name")
-            found[name] = RecordColumn(name, part.kind, part.of, part.key, part.value)
-    return tuple(found.values())
+            columns[name] = RecordColumn(name, part.kind, part.of, part.key, part.value)
+    return tuple(columns.values())
 
 
 def _read(namespace: Namespace, one: Any) -> list[RecordColumn]:
@@ -158,32 +158,35 @@ class Task:
     ) -> ChunkResult:  # fmt: skip
         """The numbers of motions ``rows`` that start from ``columns``; ``KeyboardInterrupt`` where
         they are stopped by hand."""
-        found, reasons = dict[str, np.ndarray](), dict[int, str]()
+        recorded, reasons = dict[str, np.ndarray](), dict[int, str]()
         points = dict[str, dict[str, np.ndarray]]()
-        own = {*self.system.parameter_names}
+        parameters = {*self.system.parameter_names}
         given = {
-            "parameters": {**self.parameters, **{n: x for n, x in columns.items() if n in own}},
-            "starts": {**self.initial, **{n: x for n, x in columns.items() if n not in own}},
+            "parameters": {
+                **self.parameters,
+                **{n: x for n, x in columns.items() if n in parameters},
+            },
+            "starts": {**self.initial, **{n: x for n, x in columns.items() if n not in parameters}},
         }
-        self._ensemble(given, found, reasons, progress)
+        self._ensemble(given, recorded, reasons, progress)
         for record in self.records:
             if record.kind in ("time", "section"):
-                self._passages(record, given, rows, found, reasons, points)
+                self._passages(record, given, rows, recorded, reasons, points)
         if wanted := [r for r in self.records if r.kind == "exponents"]:
-            self._exponents(wanted, given, found, reasons)
+            self._exponents(wanted, given, recorded, reasons)
         if alone := [r for r in self.records if r.kind in ("class", "function")]:
             for r in alone:
                 empty = ("", object) if r.is_text else (np.nan, float)
-                found[r.column] = np.full(len(rows), *empty)
+                recorded[r.column] = np.full(len(rows), *empty)
             for i in range(len(rows)):
                 row = {n: x[i].item() for n, x in columns.items()}
-                self._alone(alone, i, row, found, reasons)
+                self._alone(alone, i, row, recorded, reasons)
         told = np.full(len(rows), "", dtype=object)
         told[[*reasons]] = [*reasons.values()]
-        for column in found.values():
+        for column in recorded.values():
             column[told != ""] = "" if column.dtype == object else np.nan
         order = [r.column for r in self.records if not r.is_list]
-        return ChunkResult({name: found[name] for name in order}, told, points)
+        return ChunkResult({name: recorded[name] for name in order}, told, points)
 
     def _ensemble(self, given: Any, found: Any, reasons: dict[int, str], progress: Any) -> None:
         """What an ensemble tells: quantities at the end and along the instants, and drifts."""
@@ -254,11 +257,11 @@ class Task:
         reasons: dict[int, str],
     ) -> None:  # fmt: skip
         """What each motion tells by itself: the class of a trace, functions of its trajectory."""
-        own = {*self.system.parameter_names}
+        parameters = {*self.system.parameter_names}
         given: dict[str, Any] = {
             "scene": self.scene,
-            "parameters": {**self.parameters, **{n: x for n, x in row.items() if n in own}},
-            "initial": {**self.initial, **{n: x for n, x in row.items() if n not in own}},
+            "parameters": {**self.parameters, **{n: x for n, x in row.items() if n in parameters}},
+            "initial": {**self.initial, **{n: x for n, x in row.items() if n not in parameters}},
         }
         run: Any = None
         for record in records:

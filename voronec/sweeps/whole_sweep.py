@@ -143,8 +143,8 @@ def sweep(
         work = _SweepWork(task, plan, folder.kept_chunks(), progress)
         try:
             with closing(_results(work, executor, jobs)) as results:
-                for number, found in results:
-                    drafts.keep(number, found)
+                for number, computed in results:
+                    drafts.keep(number, computed)
                     work.tell(number)
         except KeyboardInterrupt:
             return Sweep(target, interrupted=True)
@@ -185,8 +185,8 @@ def _plan(task: Task, grid: Any, starts: Any, seed: int, chunk: int | None) -> S
     most = max(1, NUMBERS // (len(task.times) * max(held, 1)))
     if chunk is None:
         chunk = min(ROWS, max(LEAST, -(-len(plan) // PARTS)))
-    own = {"finished", "reason", "log", *plan.axes, *plan.starts}
-    taken = own & {r.column for r in task.records}
+    reserved = {"finished", "reason", "log", *plan.axes, *plan.starts}
+    taken = reserved & {r.column for r in task.records}
     if taken or chunk < 1:
         what = f"'{min(taken)}' is taken" if taken else f"chunk = {chunk}"
         raise DefinitionError(f"{what}; give the record another name, or chunk a number from 1 on")
@@ -260,19 +260,19 @@ def _results(
         yield from spread(portions, submit_to(executor, work.task))
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    own = min(jobs or cores or 1, max(1, len(work.left) - 1))
+    workers = min(jobs or cores or 1, max(1, len(work.left) - 1))
     each = work.plan.size / len(work.plan)
     here = compute_here(work.task, portions, lambda share: work.tell(share=share * each))
     began = perf_counter()
-    for done, found in enumerate(here, start=1):
-        yield found
+    for done, computed in enumerate(here, start=1):
+        yield computed
         spent = (perf_counter() - began) / done
         # those of this process are in no hurry to be followed by others that have to start
-        if own > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
+        if workers > 1 and (jobs or spent * (len(work.left) - done) > WORTH):
             break
     else:
         return
-    team = own_processes(own, work.task)
+    team = own_processes(workers, work.task)
     try:
         yield from spread(portions, team.submit)
     finally:

@@ -122,9 +122,9 @@ def _method(measured: Measured) -> dict[str, Any]:
 
 def _point(point: Point) -> dict[str, Any]:
     """A run; what is not a number becomes null, which JSON has."""
-    found = asdict(point)
-    found["seconds_per_unit"] = found.pop("per_unit")
-    return {k: _finite(v) for k, v in found.items()}
+    record = asdict(point)
+    record["seconds_per_unit"] = record.pop("per_unit")
+    return {k: _finite(v) for k, v in record.items()}
 
 
 def _finite(value: Any) -> Any:
@@ -137,8 +137,8 @@ def _equal(bench: Bench, error: float) -> dict[str, Any]:
     rows = {}
     for measured in bench.methods:
         if not measured.absent:
-            found = measured.at(error, extrapolate=measured.has_order)
-            rows[measured.name] = {"seconds_per_unit": found.seconds, "kind": found.kind}
+            cost = measured.at(error, extrapolate=measured.has_order)
+            rows[measured.name] = {"seconds_per_unit": cost.seconds, "kind": cost.kind}
     return {"error": error, "methods": rows}
 
 

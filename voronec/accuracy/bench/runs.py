@@ -143,21 +143,21 @@ def measure(
     tell("reference")
     exact = against or reference(problem, needed)
     seen = problem.until(float(exact.t[-1]))
-    found: list[Measured] = []
+    measurements: list[Measured] = []
     interrupted = False
     for contender in chosen:
         points: list[Point] = []
         try:
             tell(contender.name)
-            found.append(_measure(contender, seen, exact, tolerances, budget, points, tell))
+            measurements.append(_measure(contender, seen, exact, tolerances, budget, points, tell))
         except KeyboardInterrupt:
             interrupted = True
             if points:
-                found.append(
+                measurements.append(
                     Measured(contender.name, contender.about, contender.knob, points=tuple(points))
                 )
             break
-    return Bench(problem, exact, tuple(found), _machine(), ready, interrupted)
+    return Bench(problem, exact, tuple(measurements), _machine(), ready, interrupted)
 
 
 def _measure(
@@ -177,8 +177,8 @@ def _measure(
     except NotHere as absence:
         return Measured(*said, absent=str(absence))
     ready, note = perf_counter() - began, ""
-    own = contender.knob != "tolerance" or not tolerances
-    settings = contender.tolerances if own else sorted(tolerances, reverse=True)
+    preset = contender.knob != "tolerance" or not tolerances
+    settings = contender.tolerances if preset else sorted(tolerances, reverse=True)
     for setting in settings:
         predicted = _next_cost(points, problem.span, setting)
         if predicted > budget:
@@ -222,13 +222,13 @@ def _point(run: Run, setting: float, problem: ReferenceProblem, exact: Reference
 
 
 def _machine() -> Mapping[str, str]:
-    found: dict[str, Any] = {
+    machine: dict[str, Any] = {
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
     }
     for package in PACKAGES:
         try:
-            found[package] = version(package)
+            machine[package] = version(package)
         except PackageNotFoundError:
             continue
-    return found
+    return machine

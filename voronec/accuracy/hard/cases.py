@@ -275,15 +275,15 @@ OWN = "voronec"
 
 def every_case() -> tuple[tuple[HardCase, ...], tuple[str, ...]]:
     """All cases, and a warning for each module of others that could not be read."""
-    found, warnings = list(CASES), []
+    cases, warnings = list(CASES), []
     for entry in entries()[0]:
         if entry.distribution == OWN or not entry.module:
             continue
         try:
-            found += _beside(entry.module)
+            cases += _beside(entry.module)
         except Exception as error:  # somebody else's module may fail in any way
             warnings.append(f"the hard cases of system '{entry.name}' cannot be read: {error}")
-    return tuple(found), tuple(warnings)
+    return tuple(cases), tuple(warnings)
 
 
 def _beside(module: str) -> tuple[HardCase, ...]:

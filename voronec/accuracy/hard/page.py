@@ -77,8 +77,8 @@ WIDTHS = (16, 9, 9, 9, 9, 9)
 
 def cells(trial: Trial) -> list[str]:
     """One trial under ``HEADINGS``; a refusal has its reason in place of numbers."""
-    own = trial.method in ("auto", "default") and trial.chosen
-    method = f"{trial.chosen} ({trial.method})" if own else trial.method
+    automatic = trial.method in ("auto", "default") and trial.chosen
+    method = f"{trial.chosen} ({trial.method})" if automatic else trial.method
     told = f"{trial.verdict}: {trial.reason}" if trial.reason else trial.verdict
     if trial.verdict == "missed" and trial.worst:
         told += f" in {trial.worst}"
@@ -128,14 +128,14 @@ def data(finding: CaseResult) -> dict[str, Any]:
 
 def summary(findings: Sequence[CaseResult]) -> str:
     """What came out, in a line."""
-    own = [t for f in findings for t in f.trials if t.automatic]
-    counts = {v: sum(t.verdict == v for t in own) for v in ("met", "kept", "refused")}
-    wrong = [t.case for t in own if not t.good]
-    if not own:
+    choices = [t for f in findings for t in f.trials if t.automatic]
+    counts = {v: sum(t.verdict == v for t in choices) for v in ("met", "kept", "refused")}
+    wrong = [t.case for t in choices if not t.good]
+    if not choices:
         return "the tool's own choice took no part"
     told = ", ".join(f"{n} {v}" for v, n in counts.items() if n)
     silent = f"silently wrong: {', '.join(wrong)}" if wrong else "nothing silently wrong"
-    return f"the tool's own choice on {len(own)} cases: {told or 'none good'}; {silent}"
+    return f"the tool's own choice on {len(choices)} cases: {told or 'none good'}; {silent}"
 
 
 def tally(findings: Sequence[CaseResult]) -> list[list[str]]:
@@ -147,11 +147,11 @@ def tally(findings: Sequence[CaseResult]) -> list[list[str]]:
             groups.setdefault(trial.chosen, []).append(trial)
     rows = []
     for method in ("auto", "default", *METHODS):
-        found = groups.get(method, [])
-        counts = [sum(t.verdict == v for t in found) for v in VERDICTS]
-        made = [t.roundings for t in found if t.roundings == t.roundings]
+        trials = groups.get(method, [])
+        counts = [sum(t.verdict == v for t in trials) for v in VERDICTS]
+        made = [t.roundings for t in trials if t.roundings == t.roundings]
         numbers = (f"{median(made):.1e}", f"{max(made):.1e}") if made else ("-", "-")
-        missed = ", ".join(t.case for t in found if t.verdict in ("missed", "lost"))
-        if found:
-            rows.append([method, *map(str, (len(found), *counts)), *numbers, missed or "-"])
+        missed = ", ".join(t.case for t in trials if t.verdict in ("missed", "lost"))
+        if trials:
+            rows.append([method, *map(str, (len(trials), *counts)), *numbers, missed or "-"])
     return rows

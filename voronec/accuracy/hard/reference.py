@@ -140,12 +140,12 @@ def fold(machine: PreciseIntegrator, length: Any, grid: np.ndarray) -> OnePeriod
 def _since_start(passage: PreciseMotion) -> list[np.ndarray]:
     """d (state, parameters) at every instant / d the same at the start."""
     n, p = passage.states.shape[1], passage.drives.shape[2]
-    found = [np.eye(n + p, dtype=int).astype(object)]
+    transitions = [np.eye(n + p, dtype=int).astype(object)]
     for step, drive in zip(passage.steps, passage.drives, strict=True):
         whole = np.eye(n + p, dtype=int).astype(object)
         whole[:n, :n], whole[:n, n:] = step, drive
-        found.append(times(whole, found[-1]))
-    return found
+        transitions.append(times(whole, transitions[-1]))
+    return transitions
 
 
 STORE = Path(__file__).with_name("references.json")
@@ -168,8 +168,8 @@ def reference(case: HardCase, equations: VoronecEquations | None = None) -> Refe
 
 @cache
 def _stored_references() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
-    return found
+    references: dict[str, Any] = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
+    return references
 
 
 def compute(case: HardCase, equations: VoronecEquations | None = None) -> ReferenceSolution:
@@ -182,8 +182,8 @@ def compute(case: HardCase, equations: VoronecEquations | None = None) -> Refere
     names = asked.program.names
     name = f"{ARITHMETICS[case.arithmetic]} digits on {case.formulation}"
     first = (name, _by_name(asked, outputs))
-    found = _agreement(case, first, _second_run(case, equations, asked))
-    return replace(found, condition=dict(zip(names, condition.T, strict=True)))
+    solution = _agreement(case, first, _second_run(case, equations, asked))
+    return replace(solution, condition=dict(zip(names, condition.T, strict=True)))
 
 
 def _agreement(
@@ -192,13 +192,13 @@ def _agreement(
     second: tuple[str, Mapping[str, np.ndarray]],
 ) -> ReferenceSolution:
     """The reference of two runs by name; how far they agree is judged by the condition later."""
-    found = agreement(case.grid, [first, second])
-    if found is None or len(found.t) < case.points:
+    solution = agreement(case.grid, [first, second])
+    if solution is None or len(solution.t) < case.points:
         raise IntegrationError(
             f"hard case '{case.name}': a run in many digits ends in what is no number, so there is "
             "no reference; take a shorter span"
         )
-    return found
+    return solution
 
 
 def _by_name(asked: ProblemFormulation, outputs: np.ndarray) -> dict[str, np.ndarray]:
@@ -275,7 +275,7 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
 
     first, second = ({n: one[n] for n in one.outputs} for one in (run(tol=1e-25), run(tol=1e-21)))
     how = "against 21 digits, data changed in place of variations"
-    found = _agreement(case, ("25 digits on coordinates", first), (how, second))
+    solution = _agreement(case, ("25 digits on coordinates", first), (how, second))
     weights = _weights(asked, run(tol=1e-21, outputs=asked.names))
     condition = {n: np.ones(len(case.grid)) for n in first}
     for kind, data in (
@@ -289,10 +289,10 @@ def changed_data_reference(case: HardCase, equations: VoronecEquations) -> Refer
             ahead, behind = (
                 run(tol=1e-25, **{kind: {str(name): x}}) for x in (datum + step, datum - step)
             )
-            for n, values in found.values.items():
+            for n, values in solution.values.items():
                 slope = np.asarray((ahead[n] - behind[n]) / (2 * step), dtype=float)
                 condition[n] += np.abs(slope) * weights[str(name)] / output_sizes(values)
-    return replace(found, condition=condition)
+    return replace(solution, condition=condition)
 
 
 def _weights(asked: ProblemFormulation, run: Trajectory) -> dict[str, float]:

@@ -170,17 +170,19 @@ def trials(
         if case.system not in derived:
             derived[case.system] = derive(load(case.system))
         equations = derived[case.system]
-        found: list[Trial] = []
+        attempts: list[Trial] = []
         try:
             known = reference(case, equations) if case.formulation else None
         except EngineLimit as limit:
             yield CaseResult(case, None, (Trial(case.name, "-", "unjudged", reason=str(limit)),))
             continue
-        own = ("closed-form",) if case.formulation and equations.system.motion is not None else ()
+        closed = (
+            ("closed-form",) if case.formulation and equations.system.motion is not None else ()
+        )
         there = [m for m in case.methods if not METHODS[m].absence]
-        for method in methods or ("auto", "default", *there, *own):
-            if any(t.automatic and t.chosen == method for t in found):
+        for method in methods or ("auto", "default", *there, *closed):
+            if any(t.automatic and t.chosen == method for t in attempts):
                 continue
             say(f"{position + 1}/{len(cases)} {case.name}: {method} ...")
-            found.append(attempt(case, equations, method, known))
-        yield CaseResult(case, known, tuple(found))
+            attempts.append(attempt(case, equations, method, known))
+        yield CaseResult(case, known, tuple(attempts))

@@ -534,15 +534,15 @@ def _indices(reader: Reader) -> tuple[Node, ...]:
     parenthesis = reader.peek() == "("
     if parenthesis:
         reader.take()
-    found: list[Node] = []
+    indices: list[Node] = []
     while reader.peek() not in ("}", ")"):
         if reader.peek() == ",":
             reader.take()
             continue
         node = reader.sum()
-        found.extend(node.factors if isinstance(node, Product) else (node,))
+        indices.extend(node.factors if isinstance(node, Product) else (node,))
     if parenthesis:
         reader.take(")")
     reader.take("}")
     reader.in_index = outside
-    return tuple(found)
+    return tuple(indices)

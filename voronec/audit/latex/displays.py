@@ -99,8 +99,8 @@ def _lines(latex: str, start: int, end: int) -> list[tuple[int, int]]:
     """Ranges of the lines that a double backslash separates; inner environments are opened, unless
     they are not known."""
     closed = [m.span() for m in _UNREAD.finditer(latex, start, end)]
-    found = (m.span() for sign in (_INNER, _BREAK) for m in sign.finditer(latex, start, end))
-    cuts = [cut for cut in found if not any(a <= cut[0] < b for a, b in closed)]
+    breaks = (m.span() for sign in (_INNER, _BREAK) for m in sign.finditer(latex, start, end))
+    cuts = [cut for cut in breaks if not any(a <= cut[0] < b for a, b in closed)]
     lines, position = [], start
     for a, b in [*sorted(cuts), (end, end)]:
         if _LABEL.sub("", latex[position:a]).strip():

@@ -150,14 +150,14 @@ def _words(text: str) -> str:
 
 
 def _sections(body: MarkedText) -> Iterator[PrintedSection]:
-    title, found = "", list[PrintedDisplay]()
+    title, displays = "", list[PrintedDisplay]()
     text = body.text
     ends = [m.end() for m in _END_OF_SENTENCE.finditer(text)]
     for match in _PARTS.finditer(text):
         if match["title"] is not None:
-            if found:
-                yield PrintedSection(title or "Beginning", tuple(found))
-            title, found = _words(match["title"]), []
+            if displays:
+                yield PrintedSection(title or "Beginning", tuple(displays))
+            title, displays = _words(match["title"]), []
             continue
         kind = match.lastgroup
         if kind not in ("env", "name", "dollars", "bracket", "inline", "round"):
@@ -169,9 +169,9 @@ def _sections(body: MarkedText) -> Iterator[PrintedSection]:
         latex, number = _readable(body[match.start() : match.end()])
         display = PrintedDisplay(latex, shown, number, before, after, sentence)
         if shown == "display" or display.formulas:
-            found.append(display)
-    if found:
-        yield PrintedSection(title or "The paper", tuple(found))
+            displays.append(display)
+    if displays:
+        yield PrintedSection(title or "The paper", tuple(displays))
 
 
 _SLOT = re.compile(r"\$(\d+)\$")

@@ -247,15 +247,15 @@ def _operand(reader: Reader) -> Node:
 def _rate(reader: Reader, token: Token) -> Node | None:
     r"""``d/dt f``, ``d(f)/dt``, ``d^2x/dt^2``; nothing, where the ``d`` begins none of these."""
     start, order, body = reader.position, 1, None
-    own = not reader.vocabulary.differentials
-    if own and "/" not in map(reader.peek, range(6)):
+    rates_only = not reader.vocabulary.differentials
+    if rates_only and "/" not in map(reader.peek, range(6)):
         return None
     if reader.peek() == "^" and "number" in (reader.kind(1), reader.kind(2)):
         order = _order(reader)
-    if reader.peek() != "/" and (order > 1 or reader.peek() == "(" or own):
+    if reader.peek() != "/" and (order > 1 or reader.peek() == "(" or rates_only):
         body = reader.factor()
     if [reader.peek(k) for k in range(3)] != ["/", "d", "t"]:
-        if own or (body is None and order == 1):
+        if rates_only or (body is None and order == 1):
             reader.position = start
             return None
         if order > 1:
@@ -307,9 +307,9 @@ def atom(reader: Reader, token: Token) -> Node:
             raise complain(reader.source, token.start, what, Ambiguous)
         return Number(text, at)
     if text == "d":
-        found = _rate(reader, token)
-        if found is not None:
-            return found
+        rate = _rate(reader, token)
+        if rate is not None:
+            return rate
         if reader.vocabulary.differentials and starts_name(*reader.place):
             return Differential(reader.factor(), "d", reader.since(token.start))
     if text == "\\delta" and reader.vocabulary.variations and reader.peek() not in ("", "_", "^"):

@@ -100,8 +100,8 @@ _PREAMBLE = {"newenvironment": 3, "renewenvironment": 3, "newtheorem": 2, "usepa
 
 def _known_macros() -> dict[str, _Macro]:
     """The macros that every paper has."""
-    found = {name: _Macro(body, _plain(count)) for name, (body, count) in _LOOKS.items()}
-    return found | {name: _Macro(f"\\math{name}{{#1}}}}", ("}",)) for name in _FONTS}
+    macros = {name: _Macro(body, _plain(count)) for name, (body, count) in _LOOKS.items()}
+    return macros | {name: _Macro(f"\\math{name}{{#1}}}}", ("}",)) for name in _FONTS}
 
 
 def read_tex(path: str | Path) -> TexSource:
@@ -121,20 +121,20 @@ class _Expander:
 
     def source(self) -> TexSource:
         self._open(self.path)
-        found: list[tuple[str, Origin]] = []
+        characters: list[tuple[str, Origin]] = []
         while self.pile:
             character, origin = self.pile.pop()
             if character == "%":
                 while self.pile and self.pile[-1][0] != "\n":
                     self.pile.pop()
             elif character != "\\":
-                found.append((character, origin))
+                characters.append((character, origin))
             else:
-                found += self._command(origin)
-            if len(found) + len(self.pile) > CHARACTERS:
+                characters += self._command(origin)
+            if len(characters) + len(self.pile) > CHARACTERS:
                 self._refuse(origin, f"more than {CHARACTERS} characters; audit its parts apart")
-        text = "".join(c for c, _ in found)
-        return TexSource(MarkedText(text, tuple(o for _, o in found)), tuple(self.files))
+        text = "".join(c for c, _ in characters)
+        return TexSource(MarkedText(text, tuple(o for _, o in characters)), tuple(self.files))
 
     def _open(self, path: Path, origin: Origin | None = None) -> None:
         if origin is not None and not path.is_file():
@@ -221,19 +221,19 @@ class _Expander:
     def _until(self, closing: str, origin: Origin) -> list[tuple[str, Origin]]:
         """What stands to the bracket that closes the one on top, without both."""
         self.pile.pop()
-        found: list[tuple[str, Origin]] = []
+        characters: list[tuple[str, Origin]] = []
         depth = 0
         while self.pile:
             top = self.pile.pop()
             if depth == 0 and top[0] == closing:
                 break
-            found.append(top)
+            characters.append(top)
             if top[0] == "\\" and self.pile:
-                found.append(self.pile.pop())
+                characters.append(self.pile.pop())
             depth += (top[0] == "{") - (top[0] == "}")
         else:
             self._refuse(origin, f"'{closing}' is missing behind this command")
-        return found
+        return characters
 
     def _optional(self) -> list[tuple[str, Origin]] | None:
         self._skip()
@@ -285,12 +285,12 @@ class _Expander:
         self.pile += reversed(written)
 
     def _argument_before(self, end: str, origin: Origin) -> list[tuple[str, Origin]]:
-        found: list[tuple[str, Origin]] = []
-        while self.pile and _text_of(found[-len(end) :]) != end:
-            found.append(self.pile.pop())
-        if _text_of(found[-len(end) :]) != end:
+        characters: list[tuple[str, Origin]] = []
+        while self.pile and _text_of(characters[-len(end) :]) != end:
+            characters.append(self.pile.pop())
+        if _text_of(characters[-len(end) :]) != end:
             self._refuse(origin, f"'{end}' is missing behind this command")
-        return found[: -len(end)]
+        return characters[: -len(end)]
 
 
 def _text_of(marked: Iterable[tuple[str, Origin]]) -> str:

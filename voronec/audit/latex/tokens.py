@@ -96,14 +96,14 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
     ``\\text{...}`` and ``\\mathrm{...}`` become one word of kind text, or name.  A bracket starts
     where the command for its size does.
     """
-    found: list[Token] = []
+    tokens: list[Token] = []
     size: int | None = None
     depth = 0
     position, end = offset, len(source) if end is None else end
     while position < end:
         match = _WORD.match(source, position, end)
         if match is None:  # what the reader does not understand
-            found.append(Token("sign", source[position], position, position + 1))
+            tokens.append(Token("sign", source[position], position, position + 1))
             position += 1
             continue
         text, position = match.group(), match.end()
@@ -112,10 +112,10 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
             size = match.start()
             position += source.startswith(".", position)  # a bracket that is not printed
         if depth and (text in ("&", "\\end") or text.startswith("\\\\")):
-            while found[-1].text in (",", ".", ";"):  # at the end of a cell
-                found.pop()
+            while tokens[-1].text in (",", ".", ";"):  # at the end of a cell
+                tokens.pop()
         if depth and text == "&":
-            found.append(Token("sign", text, match.start(), position))
+            tokens.append(Token("sign", text, match.start(), position))
         if kind == "space" or text in _SILENT or text in _SIZES:
             continue
         if text in ("\\begin", "\\end") and (
@@ -133,19 +133,19 @@ def tokenize(source: str, offset: int = 0, end: int | None = None) -> list[Token
         if text in ("\\text", "\\mathrm", "\\mbox", "\\operatorname"):
             inner, position = _argument(source, position, end)
             upright = text in ("\\mathrm", "\\operatorname")
-            found.append(_word(inner, upright, match.start(), position))
+            tokens.append(_word(inner, upright, match.start(), position))
             continue
         if text == "c" and source.startswith("const", match.start()):
             position = match.start() + 5
-            found.append(Token("text", "const", match.start(), position))
+            tokens.append(Token("text", "const", match.start(), position))
             continue
         if kind == "number" and not _THOUSANDS.fullmatch(text):
             text = text.replace("{,}", ".")
         start, size = match.start() if size is None else size, None
         function = FUNCTION_NAMES.get(text[1:]) if kind == "command" else None
         kind, text = ("name", function) if function else (kind, _SAME.get(text, text))
-        found.append(Token(kind, text, start, position))
-    return found
+        tokens.append(Token(kind, text, start, position))
+    return tokens
 
 
 def _word(text: str, upright: bool, start: int, end: int) -> Token:

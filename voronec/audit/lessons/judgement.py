@@ -208,13 +208,13 @@ def judge(system: System | VoronecEquations, text: str) -> Judgement:
 
 def _decide_chain(motions: Motions, sides: list[Any]) -> tuple[Verdict, str]:
     """The verdict on all links of a chain: the first that fails, else one in doubt."""
-    found = [*_links(motions, sides)]
+    verdicts = [*_links(motions, sides)]
     for status in ("refuted", "undecided"):
-        for verdict, ground in found:
+        for verdict, ground in verdicts:
             if verdict.status == status:
                 return verdict, ground
     weight = [*GROUNDS]
-    return max(found, key=lambda pair: weight.index(pair[1]))
+    return max(verdicts, key=lambda pair: weight.index(pair[1]))
 
 
 def _across_cuts(motions: Motions, verdict: Verdict, functions: list[Any]) -> Verdict:
@@ -242,28 +242,32 @@ def _equal(motions: Motions, left: Any, right: Any) -> tuple[Verdict, str]:
     field, places = motions.on_coordinates, _places(motions)  # accelerations known to the bridge
     inside = [field.bridge.inward(side) for side in (left, right)]
     free = [field.express(side) for side in inside]
-    found = _decide(field, free)
+    verdict = _decide(field, free)
     moving = {symbol for side in free for symbol in side.free_symbols} & places.keys()
-    if found.proved or not moving:
-        return found, "constraints"
+    if verdict.proved or not moving:
+        return verdict, "constraints"
     return _decide(field, [side.xreplace(places) for side in free]), "motion"
 
 
 def _decide(field: VectorField, sides: list[Any]) -> Verdict:
     """Whether two sides are equal, with what counts as positive in them."""
     left, right = sides
-    found = decide_equal(left, right, field.hypotheses, pointwise=True)
-    return found.where(*positive_domain(field, sides, field.hypotheses)) if found.proved else found
+    verdict = decide_equal(left, right, field.hypotheses, pointwise=True)
+    return (
+        verdict.where(*positive_domain(field, sides, field.hypotheses))
+        if verdict.proved
+        else verdict
+    )
 
 
 def _places(motions: Motions) -> dict[Any, Any]:
     """Accelerations and their rates in the engine's symbols, and what they are along the motion."""
     field = motions.on_coordinates
-    found = {}
+    places = {}
     for v, value in zip(motions.equations.velocities, field.accelerations, strict=True):
-        found[field.bridge.admit(velocity(v))] = value
-        found[field.bridge.admit(velocity(velocity(v)))] = field.derivative(value)
-    return found
+        places[field.bridge.admit(velocity(v))] = value
+        places[field.bridge.admit(velocity(velocity(v)))] = field.derivative(value)
+    return places
 
 
 def _constant(motions: Motions, value: Any) -> Verdict:
@@ -273,8 +277,8 @@ def _constant(motions: Motions, value: Any) -> Verdict:
     if inside.free_symbols.isdisjoint(places):
         return decide_integral(motions, value).verdict
     function = field.express(inside).xreplace(places)
-    found = _decide(field, [field.derivative(function), se.Integer(0)])
-    return across_cuts(found, field, [("", function)], constant=True)
+    verdict = _decide(field, [field.derivative(function), se.Integer(0)])
+    return across_cuts(verdict, field, [("", function)], constant=True)
 
 
 def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, Any]:
@@ -282,13 +286,13 @@ def _accelerations(equations: VoronecEquations, sides: list[Any]) -> dict[Any, A
     outward = equations.bridge.outward
     held = {s for side in sides for s in side.free_symbols}
     integral = CONSTANT in held
-    found = {}
+    accelerations = {}
     for v, value in zip(
         equations.velocities, Motions.of(equations).on_coordinates.accelerations, strict=True
     ):
         if velocity(v) in held or (integral and v in held):
-            found[velocity(v)] = as_expression(outward(value))
-    return found
+            accelerations[velocity(v)] = as_expression(outward(value))
+    return accelerations
 
 
 @dataclass(frozen=True)
@@ -307,16 +311,16 @@ class Language:
         """Plain names and what they stand for."""
         system = self.equations.system
         known = (*system.coordinates, *self.equations.velocities, *system.inputs)
-        found: dict[str, Any] = {plain_name(x): x for x in known}
-        found |= {p.name: p.symbol for p in system.parameters}
+        meanings: dict[str, Any] = {plain_name(x): x for x in known}
+        meanings |= {p.name: p.symbol for p in system.parameters}
         beside = system.frame.beside if system.frame else {}
         more = {plain_name(w): value for w, value in beside.items()} | dict(system.invariants)
-        found |= {name: value for name, value in more.items() if name not in found}
-        found.setdefault(plain_name(time), time)
+        meanings |= {name: value for name, value in more.items() if name not in meanings}
+        meanings.setdefault(plain_name(time), time)
         for name, value in system.conserved.items():  # energy = const
             if name.isalpha() and len(name) > 1:
-                found.setdefault(name, value)
-        return found
+                meanings.setdefault(name, value)
+        return meanings
 
     @cached_property
     def study(self) -> Study:
@@ -405,16 +409,16 @@ class Language:
 
     def functions_under_rates(self, tree: Chain) -> list[Any]:
         """The functions of which an equation takes rates, those that are rates themselves too."""
-        found: dict[Any, None] = {}
+        functions: dict[Any, None] = {}
         for node in walk(tree):
             if isinstance(node, Derivative | Differential | Dot):
                 value = self._value_of(node.body)
                 for _ in range(getattr(node, "order", 1)):
                     if not isinstance(value, sp.Expr):
                         break
-                    found.setdefault(value)
+                    functions.setdefault(value)
                     value = self.study.motion.derivative(value)
-        return [*found]
+        return [*functions]
 
     def _value_of(self, node: Node) -> Any:
         """The value of a part; None where it has none, which is told elsewhere."""

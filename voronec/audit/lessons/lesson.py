@@ -41,8 +41,8 @@ def lesson(system: System | VoronecEquations) -> Lesson:
     that hold accelerations, or too large to be written out.
     """
     equations = system if isinstance(system, VoronecEquations) else derive(system)
-    name, own = equations.system.name, equations.definition
-    if own.group is not None or own.added:
+    name, definition = equations.system.name, equations.definition
+    if definition.group is not None or definition.added:
         raise DefinitionError(
             f"system '{name}': a derivation is told step by step in coordinates, with forces that "
             "hold no acceleration; 'voronec derive' prints its equations"
@@ -53,7 +53,7 @@ def lesson(system: System | VoronecEquations) -> Lesson:
             f"'voronec derive {name} --python' prints its program"
         )
     work = LessonWork(equations)
-    verdict = all_zero(work.differences(), (*own.relations, *own.conditions))
+    verdict = all_zero(work.differences(), (*definition.relations, *definition.conditions))
     return Lesson(equations, tuple(work.parts()), verdict)
 
 
@@ -94,21 +94,21 @@ class LessonWork:
 
     def __init__(self, equations: VoronecEquations) -> None:
         self.eqs = equations
-        own, inward = equations.definition, equations.bridge.inward
-        self.own, self.inward, self.outward = own, inward, equations.bridge.outward
+        definition, inward = equations.definition, equations.bridge.inward
+        self.own, self.inward, self.outward = definition, inward, equations.bridge.outward
         self.names = [plain_name(v) for v in equations.velocities]
         self.size = range(len(self.names))
         self.rates = [inward(e) for e in equations.rates]
         self.lagrangian = inward(equations.theta)
-        self.fields = [[r.diff(v) for r in self.rates] for v in own.velocities]
-        still = dict.fromkeys(own.velocities, 0)
+        self.fields = [[r.diff(v) for r in self.rates] for v in definition.velocities]
+        still = dict.fromkeys(definition.velocities, 0)
         self.drift = [r.xreplace(still) for r in self.rates]
-        self.slopes = [self.lagrangian.diff(v) for v in own.velocities]
+        self.slopes = [self.lagrangian.diff(v) for v in definition.velocities]
         self.fibre = [inward(p) for p in equations.momenta]
-        slopes = [self.lagrangian.diff(q) for q in own.coordinates]
+        slopes = [self.lagrangian.diff(q) for q in definition.coordinates]
         self.lifted = [dot(field, slopes) for field in self.fields]
-        dots = dict(zip(own.coordinate_velocities, self.rates, strict=True))
-        forces = [f.xreplace(dots) for f in own.forces]
+        dots = dict(zip(definition.coordinate_velocities, self.rates, strict=True))
+        forces = [f.xreplace(dots) for f in definition.forces]
         self.pushed = [dot(field, forces) for field in self.fields]
         self.turned = [self._bracket_term(i) for i in self.size]
 
@@ -125,13 +125,13 @@ class LessonWork:
 
     def differences(self) -> Iterator[tuple[str, Any]]:
         """The sum of the terms of (9), less mass * vdot - force."""
-        own, eqs = self.own, self.eqs
+        definition, eqs = self.own, self.eqs
         dots = [eqs.bridge.admit(velocity(v)) for v in eqs.velocities]
         for i in self.size:
             p = self.slopes[i]
-            left = p.diff(own.time) - self.lifted[i] + self.turned[i] - self.pushed[i]
-            left += dot([p.diff(q) for q in own.coordinates], self.rates)
-            left += dot([p.diff(v) for v in own.velocities], dots)
+            left = p.diff(definition.time) - self.lifted[i] + self.turned[i] - self.pushed[i]
+            left += dot([p.diff(q) for q in definition.coordinates], self.rates)
+            left += dot([p.diff(v) for v in definition.velocities], dots)
             inertia = dot([self.inward(m) for m in eqs.mass.row(i)], dots)
             yield self.names[i], left - (inertia - self.inward(eqs.force[i, 0]))
 
@@ -282,13 +282,13 @@ class LessonWork:
             "voronec": "The curvature does not vanish, and coordinates of the fibre occur: this "
             "is the general case, Voronec's.",
         }
-        found = self.eqs.distribution
-        growth = ", ".join(map(str, found.growth)) + ", ..." * found.cut
+        distribution = self.eqs.distribution
+        growth = ", ".join(map(str, distribution.growth)) + ", ..." * distribution.cut
         return LessonStep(
             "The kind of the system",
-            f"{why[self.eqs.kind]} The fields span {found.growth[0]} directions; with their "
+            f"{why[self.eqs.kind]} The fields span {distribution.growth[0]} directions; with their "
             "brackets, and the brackets of these, "
-            f"({growth}) of {found.dimension}.",
+            f"({growth}) of {distribution.dimension}.",
         )
 
     def _reduction_part(self) -> LessonStep:
@@ -314,14 +314,14 @@ class LessonWork:
             (self.slopes, self.lifted, self.turned, self.pushed),
             strict=True,
         ):
-            found = [
+            terms = [
                 self.outward(e) for e in shortest(values, self.own.relations, self.own.velocities)
             ]
             rows = [
                 LessonFormula(labels[0].format(name), labels[1].format(_tex(name)), value)
-                for name, value in zip(self.names, found, strict=True)
+                for name, value in zip(self.names, terms, strict=True)
             ]
-            shown = rows if values is not self.pushed or any(e != 0 for e in found) else []
+            shown = rows if values is not self.pushed or any(e != 0 for e in terms) else []
             yield LessonStep(
                 title, sentence, "", formula, tuple(shown), "There are no other forces."
             )

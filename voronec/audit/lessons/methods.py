@@ -74,11 +74,11 @@ def dalembert(problem: Statement) -> MethodEquations:
     solved = _matrix(problem, _solve_mass(problem, mass, columns))
     free, swung = [row[0] for row in solved], [row[1:] for row in solved]
     lambdas = _reactions(problem, free, swung)
-    found = [
+    accelerations = [
         f.xreplace(problem.rates) + dot(row, lambdas).xreplace(problem.rates)
         for f, row in zip(free, swung, strict=True)
     ]
-    turned = dict(zip(problem.qdd, found, strict=True))
+    turned = dict(zip(problem.qdd, accelerations, strict=True))
     rates = [
         problem.free_rate(_form(problem, row, offset)).xreplace(turned).xreplace(problem.rates)
         for row, offset in zip(problem.frame_rows, problem.frame_offsets, strict=True)
@@ -254,16 +254,16 @@ def voronec(problem: Statement) -> MethodEquations:
 def _curvature(problem: Statement, eqs: VoronecEquations) -> Rows:
     """The components A_ij^nu and A_i^nu that do not vanish."""
     names, fibres = eqs.definition.split
-    found = []
+    components = []
     for k, s in enumerate(fibres):
         for i in problem.base:
-            found += [
+            components += [
                 (f"A^{s}[{names[i]}, {names[j]}]", eqs.curvature[k, i, j])
                 for j in problem.base
                 if i < j
             ]
-            found.append((f"A^{s}[{names[i]}]", eqs.curvature.time[k, i]))
-    return tuple((name, problem.bridge.inward(e)) for name, e in found if e != 0)
+            components.append((f"A^{s}[{names[i]}]", eqs.curvature.time[k, i]))
+    return tuple((name, problem.bridge.inward(e)) for name, e in components if e != 0)
 
 
 def hamel(problem: Statement) -> MethodEquations:
@@ -344,23 +344,23 @@ def by_methods(system: System | VoronecEquations) -> MethodComparison:
     """
     begun = process_time()
     problem = Statement.of(system)
-    found: list[MethodEquations] = []
+    methods: list[MethodEquations] = []
     limits: dict[str, str] = {}
     for method in METHODS:
         try:
-            found.append(method(problem))
+            methods.append(method(problem))
         except EngineLimit as error:
             limits[_title(method)] = str(error)
-    if not found:
+    if not methods:
         name, reason = problem.equations.system.name, next(iter(limits.values()))
         raise EngineLimit(
             f"system '{name}': no method done; the next step is too large to be written out "
             f"({reason}); 'voronec derive {name}' has the equations, and "
             "vo.multiplier_acceleration those with multipliers, to be compared in numbers"
         )
-    equalities = tuple(compare_sides(problem, a, b) for a, b in pairwise(found))
+    equalities = tuple(compare_sides(problem, a, b) for a, b in pairwise(methods))
     return MethodComparison(
-        problem, tuple(found), equalities, process_time() - begun, MappingProxyType(limits)
+        problem, tuple(methods), equalities, process_time() - begun, MappingProxyType(limits)
     )
 
 
@@ -462,7 +462,7 @@ def _structure(problem: Statement) -> dict[tuple[int, int], Vector]:
     size = range(len(problem.q))
     columns = [[matrix[a][c] for a in size] for c in problem.base]
     fields = [*columns, offset]
-    found = {}
+    structure = {}
     for i, one in enumerate(columns):
         for j, other in enumerate(fields):
             bracket = [
@@ -473,8 +473,8 @@ def _structure(problem: Statement) -> dict[tuple[int, int], Vector]:
                 )
                 for a in size
             ]
-            found[i, j] = problem.tidy([dot(row, bracket) for row in problem.forms])
-    return found
+            structure[i, j] = problem.tidy([dot(row, bracket) for row in problem.forms])
+    return structure
 
 
 def _form(problem: Statement, row: Sequence[Any], offset: Any) -> Any:
@@ -488,14 +488,14 @@ def _matrix(problem: Statement, rows: Sequence[Sequence[Any]]) -> list[Vector]:
 
 
 def _solve_mass(problem: Statement, mass: list[Vector], columns: list[Vector]) -> list[Vector]:
-    found = solve_linear(mass, columns)
-    if found.free:
+    solution = solve_linear(mass, columns)
+    if solution.free:
         name = problem.equations.system.name
         raise DefinitionError(
             f"system '{name}': not every coordinate has inertia of its own, which d'Alembert's "
             "way needs; choose another system"
         )
-    return found.values
+    return solution.values
 
 
 def _name_rows(name: str, values: Sequence[Any]) -> Rows:
@@ -512,11 +512,11 @@ def _pairs(names: Sequence[Any], values: Sequence[Any]) -> Rows:
 
 def _balance(problem: Statement, inertias: Sequence[Any], active: Sequence[Any]) -> Rows:
     names = [se.Symbol(f"lambda{k + 1}") for k in range(len(problem.constraint_rows))]
-    found = []
+    balances = []
     for a, q in enumerate(problem.q):
         reaction = se.Add(*[r[a] * x for r, x in zip(problem.constraint_rows, names, strict=True)])
-        found.append((str(q), (inertias[a], active[a] + reaction)))
-    return tuple(found)
+        balances.append((str(q), (inertias[a], active[a] + reaction)))
+    return tuple(balances)
 
 
 Rows = tuple[tuple[str, Any], ...]
@@ -663,19 +663,19 @@ def _statement_lines(problem: Statement) -> list[tuple[str, str]]:
 
 def _texts(problem: Statement, rows: Any) -> list[tuple[str, str]]:
     """Names, or left sides, with formulas."""
-    found = []
+    lines = []
     for name, value in rows:
         if isinstance(value, tuple):
             left, right = problem.texts(value)
-            found.append((f"{name}:  {left}", right))
+            lines.append((f"{name}:  {left}", right))
         else:
-            found.append((name, *problem.texts([value])))
-    return found
+            lines.append((name, *problem.texts([value])))
+    return lines
 
 
 def _equations(problem: Statement, method: MethodEquations) -> list[tuple[str, str]]:
     """What a method ends with: the terms with accelerations on the left, the rest on the right."""
-    found = []
+    equations = []
     still = dict.fromkeys(problem.vd, se.Integer(0))
     for residual in method.residuals:
         slopes = problem.tidy([residual.diff(a) for a in problem.vd])
@@ -685,5 +685,5 @@ def _equations(problem: Statement, method: MethodEquations) -> list[tuple[str, s
             if slope != 0:
                 factor = "" if text == "1" else f"({text})*" if " " in text else f"{text}*"
                 terms.append(f"{factor}d{v}/dt")
-        found.append((" + ".join(terms) or "0", texts[-1]))
-    return found
+        equations.append((" + ".join(terms) or "0", texts[-1]))
+    return equations

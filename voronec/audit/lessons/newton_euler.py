@@ -42,14 +42,14 @@ class FreeBodies:
     @cached_property
     def _components(self) -> list[tuple[str, Any, Any, Any]]:
         """Name, velocity, rate of the momentum, and what acts."""
-        found = []
+        components = []
         for body in self.problem.equations.system.bodies:
             omega, moved = self._inward(body.omega), self._inward(body.velocity)
             rates = [*self._moment_rates(body, omega), *self._momentum_rates(body, moved)]
             acting = [*self._inward(body.torque), *self._inward(body.force)]
             parts = zip(NAMES, [*omega, *moved], rates, acting, strict=True)
-            found += [(f"{body.title}, {name}", *rest) for name, *rest in parts]
-        return [c for c in found if any(e != 0 for e in c[1:])]
+            components += [(f"{body.title}, {name}", *rest) for name, *rest in parts]
+        return [c for c in components if any(e != 0 for e in c[1:])]
 
     def _inward(self, values: Sequence[Any]) -> Vector:
         """Expressions in the engine's symbols, with the velocities in use for those of
@@ -129,15 +129,15 @@ class FreeBodies:
     def reactions(self) -> Vector:
         """The reaction in each balance, a sum with the factors N1, N2, ...; those of one factor are
         multiplied by the determinant of J of the free balances, so that nothing is divided."""
-        found: Vector = [se.Integer(0)] * len(self.partial)
+        sums: Vector = [se.Integer(0)] * len(self.partial)
         scale = determinant([self.partial[f] for f in self.free])
         for k, place in enumerate(self.bound):
             factor = se.Symbol(f"N{k + 1}")
             one = se.Integer(1) if all(e == 0 for e in self.shares[k]) else scale
             whole = self.problem.tidy([one, *[-one * e for e in self.shares[k]]])
             for position, e in zip([place, *self.free], whole, strict=True):
-                found[position] += e * factor
-        return found
+                sums[position] += e * factor
+        return sums
 
     @cached_property
     def residual(self) -> Vector:

@@ -113,13 +113,13 @@ Change = Callable[[list[Token], int], tuple[int, list[Token]] | None]
 
 def _each(words: list[Token], change: Change) -> list[Token]:
     """The words, changed from left to right."""
-    found: list[Token] = []
+    changed: list[Token] = []
     position = 0
     while position < len(words):
         end, written = change(words, position) or (position + 1, [words[position]])
-        found += written
+        changed += written
         position = end
-    return found
+    return changed
 
 
 def _spell_words(
@@ -133,13 +133,13 @@ def _spell_words(
         match = run.match(source, word.start) if word.kind == "letter" else None
         if match is None or not (plain or match[0] in spelled):
             return None
-        found, at = list[Token](), word.start
+        tokens, at = list[Token](), word.start
         for part in _parts(match[0], spelled) if plain else [match[0]]:
             # the words of a name's LaTeX, all at the place where it was written
             latex = tokenize(spelled.get(part, part))
-            found += [replace(w, start=at, end=at + len(part)) for w in latex]
+            tokens += [replace(w, start=at, end=at + len(part)) for w in latex]
             at += len(part)
-        return _behind(words, position, at), found
+        return _behind(words, position, at), tokens
 
     return _each(words, spell)
 
@@ -151,14 +151,14 @@ def _behind(words: Sequence[Token], position: int, end: int) -> int:
 
 def _parts(text: str, spelled: Mapping[str, str]) -> list[str]:
     """A run cut into the longest names that are known, from the left; else into single signs."""
-    found, longest = [], max(map(len, spelled), default=1)
+    parts, longest = [], max(map(len, spelled), default=1)
     while text:
         size = next((n for n in range(min(len(text), longest), 1, -1) if text[:n] in spelled), 0)
         if not size:
             size = len(re.match(r"\d+(?:\.\d+)?|.", text).group())  # type: ignore[union-attr]
-        found.append(text[:size])
+        parts.append(text[:size])
         text = text[size:]
-    return found
+    return parts
 
 
 def _exponent(words: list[Token], position: int) -> tuple[int, list[Token]] | None:
@@ -176,12 +176,14 @@ def spelling_of(
     names: Sequence[str], moving: Sequence[str], latex: Callable[[str], str]
 ) -> dict[str, str]:
     r"""Plain names -> LaTeX; of what moves also ``xdot``, ``xddot``; names of functions."""
-    found = {name: f"\\mathrm{{{other}}}" for name, other in FUNCTION_NAMES.items()}
-    found |= {name: latex(name) for name in names}
+    spelling = {name: f"\\mathrm{{{other}}}" for name, other in FUNCTION_NAMES.items()}
+    spelling |= {name: latex(name) for name in names}
     for name in moving:
-        found |= {name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)}
-        found[name + "ddot"] = found[name + "dotdot"]
-    return found
+        spelling |= {
+            name + "dot" * order: f"\\{'d' * order}ot{{{latex(name)}}}" for order in (1, 2)
+        }
+        spelling[name + "ddot"] = spelling[name + "dotdot"]
+    return spelling
 
 
 def command_of(text: str) -> str:

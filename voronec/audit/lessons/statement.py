@@ -48,29 +48,31 @@ class Statement:
         """Read from a system; one with redundant coordinates, on a group, or with forces that hold
         accelerations is refused."""
         equations = system if isinstance(system, VoronecEquations) else derive(system)
-        own, bridge, declared = equations.definition, equations.bridge, equations.system
-        if own.group is not None or own.relations or own.added:
+        definition, bridge, declared = equations.definition, equations.bridge, equations.system
+        if definition.group is not None or definition.relations or definition.added:
             raise DefinitionError(
                 f"system '{declared.name}': the methods are compared in independent coordinates, "
                 "with forces that hold no acceleration; choose another system"
             )
-        count = len(own.coordinates)
-        unit = tuple(tuple(se.Integer(int(a == b)) for b in range(count)) for a in range(own.base))
-        frame = own.frame
+        count = len(definition.coordinates)
+        unit = tuple(
+            tuple(se.Integer(int(a == b)) for b in range(count)) for a in range(definition.base)
+        )
+        frame = definition.frame
         return cls(
             equations=equations,
-            q=own.coordinates,
-            qd=own.dots,
+            q=definition.coordinates,
+            qd=definition.dots,
             qdd=tuple(bridge.admit(velocity(velocity(q))) for q in declared.coordinates),
-            v=own.velocities,
+            v=definition.velocities,
             vd=tuple(bridge.admit(velocity(v)) for v in declared.velocities),
-            time=own.time,
-            lagrangian=own.lagrangian,
-            forces=own.forces,
-            constraint_rows=own.constraints.matrix,
-            constraint_offsets=own.constraints.offset,
+            time=definition.time,
+            lagrangian=definition.lagrangian,
+            forces=definition.forces,
+            constraint_rows=definition.constraints.matrix,
+            constraint_offsets=definition.constraints.offset,
             frame_rows=unit if frame is None else frame.matrix,
-            frame_offsets=(se.Integer(0),) * own.base if frame is None else frame.offset,
+            frame_offsets=(se.Integer(0),) * definition.base if frame is None else frame.offset,
         )
 
     @property
@@ -157,5 +159,5 @@ class Statement:
 
     def text(self, expr: Any) -> str:
         """A formula for print as it stands; one too long for a page is told by its length."""
-        found = caret_text(self.bridge.outward(expr))
-        return found if len(found) <= LONGEST else f"an expression of {len(found)} characters"
+        printed = caret_text(self.bridge.outward(expr))
+        return printed if len(printed) <= LONGEST else f"an expression of {len(printed)} characters"

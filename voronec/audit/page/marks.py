@@ -115,9 +115,9 @@ def _widen(words: Sequence[Token], items: Sequence[Range], one: Range) -> Range:
             named = words[first].kind in ("letter", "name", "number") or words[first].text in _BASES
             script = named and base < last and words[base - 1].end <= one[0]
             around.append((end - start, script, (start, end)))
-    for _, script, found in sorted(around):
+    for _, script, wider in sorted(around):
         if script or empty:
-            return found
+            return wider
     return one
 
 

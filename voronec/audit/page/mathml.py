@@ -39,13 +39,13 @@ def mathml(
     try:
         whole = mark(size_brackets(latex), marks, "marked", lines=not inline)
         pieces = re.split(rf"\s*{LINE_END}", _inner(whole))
-        found = [convert(("{}" if n else "") + piece)[0] for n, piece in enumerate(pieces)]
+        elements = [convert(("{}" if n else "") + piece)[0] for n, piece in enumerate(pieces)]
     except DefinitionError:
         return f'<code class="latex">{escape(latex)}</code>'
-    found = [one.replace(_MARK_STYLE, f'class="{style}"') for one in found]
+    elements = [one.replace(_MARK_STYLE, f'class="{style}"') for one in elements]
     if inline:
-        return found[0].replace(' displaystyle="true"', "", 1)
-    return f'<div class="math">{"<wbr/>".join(found)}</div>'
+        return elements[0].replace(' displaystyle="true"', "", 1)
+    return f'<div class="math">{"<wbr/>".join(elements)}</div>'
 
 
 def prose(text: str) -> str:
@@ -70,15 +70,15 @@ def convert(latex: str, unknown: tuple[str, ...] = ()) -> tuple[str, tuple[str, 
         macros=_MACROS | functions, fancy_error=False, allow_unreliable_rendering=True
     )
     try:
-        found = converter.convert_with_local_state(_for_library(latex), displaystyle=True)
+        markup = converter.convert_with_local_state(_for_library(latex), displaystyle=True)
     except LatexError as error:
         named = _UNKNOWN.search(str(error))
         if named and named[1] not in unknown:
             return convert(latex, (*unknown, named[1]))
         raise DefinitionError(f"the formula '{latex[:40]}' is not typeset: {error}") from None
-    found = found.replace('display="block"', 'displaystyle="true"', 1)
-    found = _PRIMES.sub(r'<mo class="prime">\1</mo>', found)
-    return found.replace("&ApplyFunction;", "&#x2061;"), unknown
+    markup = markup.replace('display="block"', 'displaystyle="true"', 1)
+    markup = _PRIMES.sub(r'<mo class="prime">\1</mo>', markup)
+    return markup.replace("&ApplyFunction;", "&#x2061;"), unknown
 
 
 def _for_library(latex: str) -> str:

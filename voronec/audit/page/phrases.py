@@ -60,10 +60,10 @@ def group_ranges(formula: FormulaRecord) -> tuple[dict[str, str], ...]:
     ``range``, ``where`` (with dollar signs), ``verdict``, ``method`` (empty where the record says
     the same) and ``witness`` are words.
     """
-    found: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+    groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
     for entry in formula.ranges:
         at = _at(formula, entry["witness"])
-        found.setdefault((entry["verdict"], entry["method"], at), []).append(entry)
+        groups.setdefault((entry["verdict"], entry["method"], at), []).append(entry)
     return tuple(
         {
             "range": ", ".join(str(r["range"]) for r in several),
@@ -72,7 +72,7 @@ def group_ranges(formula: FormulaRecord) -> tuple[dict[str, str], ...]:
             "method": "" if f"; {method};" in f"; {formula.method};" else short(method),
             "witness": at,
         }
-        for (verdict, method, at), several in found.items()
+        for (verdict, method, at), several in groups.items()
     )
 
 
@@ -91,15 +91,15 @@ def _in_math(statement: str) -> str:
 
 def clauses(text: str) -> list[str]:
     """What stands between semicolons outside parentheses and formulas."""
-    found, depth, math = [""], 0, False
+    pieces, depth, math = [""], 0, False
     for position, letter in enumerate(text):
         math ^= letter == "$"
         depth += 0 if math else (letter == "(") - (letter == ")")
         if letter == ";" and depth <= 0 and not math and text[position + 1 : position + 2] == " ":
-            found.append("")
+            pieces.append("")
         else:
-            found[-1] += letter
-    return [clause.strip() for clause in found]
+            pieces[-1] += letter
+    return [clause.strip() for clause in pieces]
 
 
 def gist(method: str) -> str:
@@ -126,8 +126,8 @@ def conventions_with_formulas(
     audit: Audit,
 ) -> Iterator[tuple[str, tuple[tuple[Record, FormulaRecord], ...]]]:
     """The conventions: what is said of each, and the formulas in a row of which it is said."""
-    found = with_verdict(audit, "convention")
-    for said, several in groupby(found, key=lambda pair: gist(pair[1].method)):
+    pairs = with_verdict(audit, "convention")
+    for said, several in groupby(pairs, key=lambda pair: gist(pair[1].method)):
         yield said, tuple(several)
 
 
@@ -138,12 +138,12 @@ def faults(record: Record) -> tuple[FormulaRecord, ...]:
 
 def counts(audit: Audit) -> dict[str, dict[str, int]]:
     """kind -> verdict -> number of records, worst first, for the verdicts that occur."""
-    found = {}
+    tally = {}
     for kind in KINDS:
         records = [r for r in audit.records if r.kind == kind]
         if records:
-            found[kind] = {v: sum(r.verdict == v for r in records) for v in reversed(VERDICTS)}
-    return found
+            tally[kind] = {v: sum(r.verdict == v for r in records) for v in reversed(VERDICTS)}
+    return tally
 
 
 def count_sentences(audit: Audit) -> list[str]:

@@ -37,9 +37,9 @@ def _left_aside(audit: Audit) -> str:
 
 def _groups(audit: Audit, kinds: Mapping[str, str]) -> Iterator[tuple[str, list[Record]]]:
     for verdict, words in kinds.items():
-        found = [record for record in audit.records if record.verdict == verdict]
-        if found:
-            yield words, found
+        records = [record for record in audit.records if record.verdict == verdict]
+        if records:
+            yield words, records
 
 
 def _state(record: Record) -> str:
@@ -53,7 +53,7 @@ def _state(record: Record) -> str:
 def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -> list[str]:
     """The summary for a terminal."""
     lines = [f"{audit.title}: {_several(audit)} beside the system '{system}'", "right"]
-    lines += [f"  {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
+    lines += [f"  {len(records)} {words}" for words, records in _groups(audit, _RIGHT)]
     lines += [f"wrong: {len(audit.errata)}"]
     for record in audit.errata:
         head = record.decisive
@@ -61,9 +61,9 @@ def referee_lines(audit: Audit, letters: Mapping[str, list[str]], system: str) -
         lines += [f"    read  {head.correction}"] if head.correction else []
         lines += [f"    {text}" for text in (_state(record) or head.method,)]
     lines += ["not decided"]
-    for words, found in _groups(audit, _OPEN):
-        lines += [f"  {len(found)} {words}"]
-        lines += [f"    {r.label}: {r.decisive.method}" for r in found]
+    for words, records in _groups(audit, _OPEN):
+        lines += [f"  {len(records)} {words}"]
+        lines += [f"    {r.label}: {r.decisive.method}" for r in records]
     if letters:
         lines += [f"letters that nothing explains: {', '.join(letters)}"]
     return [*lines, _left_aside(audit)]
@@ -73,7 +73,7 @@ def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str
     """The summary as Markdown."""
     said = f"{_several(audit)}, compared with what follows from the Lagrangian and the"
     lines = [f"# {audit.title}", "", f"{said} constraints of `{system}`.", "", "## Right", ""]
-    lines += [f"- {len(found)} {words}" for words, found in _groups(audit, _RIGHT)]
+    lines += [f"- {len(records)} {words}" for words, records in _groups(audit, _RIGHT)]
     lines += ["", f"## Wrong: {len(audit.errata)}", ""]
     for number, record in enumerate(audit.errata, 1):
         head = record.decisive
@@ -81,8 +81,8 @@ def referee_markdown(audit: Audit, letters: Mapping[str, list[str]], system: str
         lines += [f"   read ${head.correction}$"] if head.correction else []
         lines += [f"   ({_state(record) or head.method})"]
     lines += ["", "## Not decided", ""]
-    for words, found in _groups(audit, _OPEN):
-        lines += [f"- {len(found)} {words}: {'; '.join(r.label or '' for r in found)}"]
+    for words, records in _groups(audit, _OPEN):
+        lines += [f"- {len(records)} {words}: {'; '.join(r.label or '' for r in records)}"]
     if letters:
         lines += ["- letters: " + ", ".join(f"${letter}$" for letter in letters)]
     return "\n".join([*lines, f"- {_left_aside(audit)}", ""])

@@ -203,7 +203,7 @@ Places = Mapping[tuple[str, int], str]
 
 def anchors(audit: Audit) -> dict[tuple[str, int], str]:
     """(section, ordinal) -> an anchor that is used once: the label, or the place."""
-    found: dict[tuple[str, int], str] = {}
+    names: dict[tuple[str, int], str] = {}
     used: set[str] = set()
     for record in audit.records:
         number = audit.sections.index(record.section) + 1
@@ -211,8 +211,8 @@ def anchors(audit: Audit) -> dict[tuple[str, int], str]:
         if not name or name in used:
             name = f"s{number}-{record.kind}-{record.ordinal}"
         used.add(name)
-        found[record.section, record.ordinal] = name
-    return found
+        names[record.section, record.ordinal] = name
+    return names
 
 
 def errata(audit: Audit, places: Places) -> str:
@@ -419,12 +419,12 @@ _MORE = {"µ": "mu", "∫": "int", "√": "sqrt", "∑": "sum", "weierstrass": "
 
 def _spellings() -> dict[str, list[str]]:
     """What a reader may type -> the commands that show it; a variant of a letter is that letter."""
-    found: dict[str, list[str]] = {}
+    commands: dict[str, list[str]] = {}
     for command, letter in LETTERS.items():
         plain = command.lower().removeprefix("var")
         same = [c for c in (plain, f"var{plain}") if c in LETTERS or c == command.lower()]
-        found[letter.lower()] = [f"\\{name}" for name in same]
-    return found | {typed: [f"\\{command}"] for typed, command in _MORE.items()}
+        commands[letter.lower()] = [f"\\{name}" for name in same]
+    return commands | {typed: [f"\\{command}"] for typed, command in _MORE.items()}
 
 
 @dataclass(frozen=True)
@@ -479,14 +479,14 @@ def _contents(audit: Audit) -> str:
 
 
 def _summary(audit: Audit) -> str:
-    found = counts(audit)
-    verdicts = [v for v in reversed(VERDICTS) if any(c[v] for c in found.values())]
-    heads = "".join(f"<th>{KINDS[kind]}</th>" for kind in found)
+    tally = counts(audit)
+    verdicts = [v for v in reversed(VERDICTS) if any(c[v] for c in tally.values())]
+    heads = "".join(f"<th>{KINDS[kind]}</th>" for kind in tally)
     rows = []
     for verdict in verdicts:
-        cells = "".join(f'<td class="n">{found[kind][verdict]}</td>' for kind in found)
+        cells = "".join(f'<td class="n">{tally[kind][verdict]}</td>' for kind in tally)
         rows.append(f"<tr><td>{_badge(verdict)}</td>{cells}<td>{MEANING[verdict]}</td></tr>")
-    totals = "".join(f'<td class="n">{sum(found[kind].values())}</td>' for kind in found)
+    totals = "".join(f'<td class="n">{sum(tally[kind].values())}</td>' for kind in tally)
     formulas = sum(len(r.formulas) for r in audit.records)
     return (
         '<p class="lead">Every displayed equation of the paper, and the formulas and claims of its '
@@ -532,13 +532,13 @@ def _list_section(anchor: str, title: str, lead: str, items: str) -> str:
 
 
 def _search(audit: Audit) -> str:
-    found = counts(audit)
+    tally = counts(audit)
     buttons = ""
     for verdict, count in audit.count().items():
         if count:
             buttons += _button("verdict", verdict, verdict, count)
-    for kind in found:
-        buttons += _button("kind", kind, KINDS[kind], sum(found[kind].values()))
+    for kind in tally:
+        buttons += _button("kind", kind, KINDS[kind], sum(tally[kind].values()))
     placeholder = "display 2, (label), words, γ, LaTeX"
     return (
         f'<nav><input id="search" type="search" placeholder="{placeholder}" '

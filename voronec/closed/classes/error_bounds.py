@@ -72,8 +72,10 @@ class BoundedNumber:
         err = np.abs(self.mid) * other.err + np.abs(other.mid) * self.err + self.err * other.err
         # a factor that is exactly zero makes an exact zero: it must not become merely small
         nothing = self.zero | other.zero
-        found = _round_result(self.mid * other.mid, err + TINY)
-        return BoundedNumber(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
+        product = _round_result(self.mid * other.mid, err + TINY)
+        return BoundedNumber(
+            np.where(nothing, 0.0, product.mid), np.where(nothing, 0.0, product.err)
+        )
 
     def __truediv__(self, other: Any) -> BoundedNumber:
         other = BoundedNumber.of(other)
@@ -82,9 +84,11 @@ class BoundedNumber:
             room = np.abs(other.mid) - other.err
             err = (self.err + np.abs(mid) * other.err) / room + TINY
             good = room > 0
-        found = _round_result(np.where(good, mid, 0.0), np.where(good, err, np.inf))
+        quotient = _round_result(np.where(good, mid, 0.0), np.where(good, err, np.inf))
         nothing = self.zero & good
-        return BoundedNumber(np.where(nothing, 0.0, found.mid), np.where(nothing, 0.0, found.err))
+        return BoundedNumber(
+            np.where(nothing, 0.0, quotient.mid), np.where(nothing, 0.0, quotient.err)
+        )
 
     def __pow__(self, power: Any) -> BoundedNumber:
         if power == 0.5:
@@ -93,10 +97,10 @@ class BoundedNumber:
             return (self.sqrt()) ** (2 * power)
         if power < 0:
             return 1 / self ** (-power)
-        found = BoundedNumber.of(1)
+        product = BoundedNumber.of(1)
         for _ in range(int(power)):
-            found = found * self
-        return found
+            product = product * self
+        return product
 
     def __sub__(self, other: Any) -> BoundedNumber:
         return self + (-BoundedNumber.of(other))

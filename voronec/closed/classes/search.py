@@ -82,8 +82,8 @@ def _rational(value: Any) -> bool:
 def _short(value: Any) -> Any:
     """The numerator in normal form."""
     bridge = SymPyBridge()
-    found = bridge.outward(canonical([bridge.inward(value)], ())[0])
-    return sp.fraction(sp.together(found))[0]
+    reduced = bridge.outward(canonical([bridge.inward(value)], ())[0])
+    return sp.fraction(sp.together(reduced))[0]
 
 
 def solutions(
@@ -96,11 +96,11 @@ def solutions(
     """
     given = dict(known)
     first = [sp.expand(c.xreplace(given)) for c in wanted.vanishing]
-    for found in _solve_start(first, {}, velocities):
+    for solution in _solve_start(first, {}, velocities):
         # long formulas wait until numbers have made them short
-        rest = [e.xreplace({**given, **found}) for e in wanted.further]
+        rest = [e.xreplace({**given, **solution}) for e in wanted.further]
         rest = [sp.fraction(sp.together(sp.expand(e)))[0] for e in rest]
-        yield from _solve_start(rest, found, velocities)
+        yield from _solve_start(rest, solution, velocities)
 
 
 def _solve_start(
@@ -162,11 +162,11 @@ def elsewhere(closed: ClosedForm, start: Mapping[Any, Any]) -> dict[Any, Any]:
     pace = sp.sqrt(sp.simplify(motion.quartic.xreplace(level)))
     rates = {velocity(p): e.xreplace(level) for p, e in motion.integrals.items()}
     rates[velocity(q)] = pace / sp.diff(motion.meaning, q).subs(q, angle)
-    found = {**dict.fromkeys(closed.system.coordinates, sp.Integer(0)), q: angle}
+    state = {**dict.fromkeys(closed.system.coordinates, sp.Integer(0)), q: angle}
     for v in closed.system.velocities:
         value = motion.velocities.get(v, v).xreplace({**rates, **level, q: angle})
-        found[v] = sp.nsimplify(sp.simplify(value))
-    return found
+        state[v] = sp.nsimplify(sp.simplify(value))
+    return state
 
 
 COSINES = tuple(
@@ -211,35 +211,35 @@ def find(
     for turn in range(ROUNDS):
         if progress is not None:
             progress(f"{label} {curve.title}: round {turn + 1} of at most {ROUNDS}")
-        own = search.parameters(turn)
-        reason = _impossible(known, curve, label, own) if own is not None else ""
+        body = search.parameters(turn)
+        reason = _impossible(known, curve, label, body) if body is not None else ""
         if reason:
             raise DefinitionError(f"system '{system.name}': {reason}")
-        found = search.best(own) if own is not None else None
-        if found is not None:
-            return found
+        scene = search.best(body) if body is not None else None
+        if scene is not None:
+            return scene
     raise DefinitionError(f"system '{system.name}': {search.failure}")
 
 
 def held_parameters(system: System, given: Mapping[Any, Any]) -> dict[Any, Any]:
     """Parameters to be held, exactly, by symbol; ``DefinitionError`` for what no body has, and
     where the declared traces have no value."""
-    found = read_parameters(system, given)
+    held = read_parameters(system, given)
     for p in system.parameters:
-        if p.symbol in found:
+        if p.symbol in held:
             try:
-                p.check(found[p.symbol])
+                p.check(held[p.symbol])
             except DefinitionError as error:
                 raise DefinitionError(f"system '{system.name}': {error}") from None
-    require_possible(system, {plain_name(s): v for s, v in found.items()})
+    require_possible(system, {plain_name(s): v for s, v in held.items()})
     for curve in declared_traces(system).curves:
-        if any(c.xreplace(found).has(sp.nan, sp.zoo) for c in (*curve.cosine, *curve.phi)):
-            values = _in_words(found)
+        if any(c.xreplace(held).has(sp.nan, sp.zoo) for c in (*curve.cosine, *curve.phi)):
+            values = _in_words(held)
             raise DefinitionError(
                 f"system '{system.name}': the trace {curve.title} has no value with {values}, "
                 "since its quadratures divide by zero; hold other values"
             )
-    return found
+    return held
 
 
 def _in_words(values: Mapping[Any, Any]) -> str:
@@ -280,19 +280,19 @@ class _StartSearch:
 
     def parameters(self, turn: int) -> dict[Any, Any] | None:
         """Exact values: the defaults first, later drawn around them; None for no possible body."""
-        system, own = self.known.system, {}
+        system, body = self.known.system, {}
         for p in system.parameters:
             value = sp.nsimplify(p.value) if p.value is not None else sp.Integer(1)
             if turn and p.symbol not in self.fixed:
                 value *= FACTORS[self.dice.integers(len(FACTORS))]
-            own[p.symbol] = self.fixed.get(p.symbol, value)
+            body[p.symbol] = self.fixed.get(p.symbol, value)
             if p.symbol not in self.fixed:
                 try:
-                    p.check(own[p.symbol])
+                    p.check(body[p.symbol])
                 except DefinitionError:
                     return None
         possible = system.possible.values()
-        return None if any(c.xreplace(own) is sp.false for c in possible) else own
+        return None if any(c.xreplace(body) is sp.false for c in possible) else body
 
     def best(self, own: Mapping[Any, Any]) -> Scene | None:
         """The best of many draws with some parameters that is exactly of the class."""
@@ -312,9 +312,9 @@ class _StartSearch:
         for i in np.argsort(-marks)[:CANDIDATES]:
             if marks[i] == -np.inf:
                 break
-            found = self._confirm_start(own, drawn[i])
-            if found is not None:
-                return found
+            scene = self._confirm_start(own, drawn[i])
+            if scene is not None:
+                return scene
         return None
 
     def _starts(self, own: Mapping[Any, Any]) -> Iterator[dict[Any, Any]]:
@@ -326,10 +326,12 @@ class _StartSearch:
         for _ in range(DRAWS // 100 if plain else FEW if wanted.further else SOLUTIONS):
             angles = {q: sp.Integer(0) for q in system.coordinates}
             angles |= {q: sp.acos(self.dice.choice(COSINES)) for q in moving}
-            for found in solutions(wanted, {**own, **angles}, system.velocities):
+            for solution in solutions(wanted, {**own, **angles}, system.velocities):
                 for _ in range(100 if plain else 1):
-                    free = {v: self._draw_fraction() for v in system.velocities if v not in found}
-                    solved = {v: as_expression(e).xreplace(free) for v, e in found.items()}
+                    free = {
+                        v: self._draw_fraction() for v in system.velocities if v not in solution
+                    }
+                    solved = {v: as_expression(e).xreplace(free) for v, e in solution.items()}
                     yield {**angles, **{v: {**free, **solved}[v] for v in system.velocities}}
 
     def _draw_fraction(self) -> Any:
@@ -345,9 +347,9 @@ class _StartSearch:
             classes = classify(closed)
         except EngineLimit:
             return None
-        found = classes[self.curve.title]
-        self.tallies[found.label] += 1
-        if found.label != self.label:
+        trace_class = classes[self.curve.title]
+        self.tallies[trace_class.label] += 1
+        if trace_class.label != self.label:
             return None
         if self.conditions.elsewhere:
             start = elsewhere(closed, start)
@@ -357,7 +359,7 @@ class _StartSearch:
         return Scene(
             initial={k: v for k, v in start.items() if v != 0},
             parameters=changed,
-            times=(0.0, _span(found)),
+            times=(0.0, _span(trace_class)),
             caption=f"{self.curve.title}: class {self.label}.",
         )
 

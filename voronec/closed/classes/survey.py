@@ -79,15 +79,15 @@ class Path:
 def drifts(path: Path, steps: Sequence[int] = STEPS) -> tuple[BoundedNumber, BoundedNumber]:
     """Drift of the longitude and period of every motion; wider the nearer to a separatrix."""
     count = len(path.ends)
-    found = [(np.zeros(count), np.full(count, np.inf)) for _ in range(2)]
+    bounds = [(np.zeros(count), np.full(count, np.inf)) for _ in range(2)]
     left = np.arange(count)
     for n in steps:
         if not len(left):
             break
-        for (mid, err), part in zip(found, _sums(path.take(left), n), strict=True):
+        for (mid, err), part in zip(bounds, _sums(path.take(left), n), strict=True):
             mid[left], err[left] = part.mid, part.err
-        left = left[(np.abs(found[0][0]) <= found[0][1])[left]]
-    return BoundedNumber(*found[0]), BoundedNumber(*found[1])
+        left = left[(np.abs(bounds[0][0]) <= bounds[0][1])[left]]
+    return BoundedNumber(*bounds[0]), BoundedNumber(*bounds[1])
 
 
 def _sums(path: Path, n: int) -> tuple[BoundedNumber, BoundedNumber]:
@@ -187,14 +187,14 @@ def classify_many(
     ``parameters`` and ``initial`` give arrays or numbers by name or symbol, used as the doubles
     they are; what is not given is the parameter's default, and 0 at the start.
     """
-    found = survey(system, parameters, initial, trace)
+    surveyed = survey(system, parameters, initial, trace)
     values = arrays(declared_traces(system), parameters, initial)
-    labels, reversals = found.labels.astype(object), found.reversals.copy()
-    for i in found.open:
+    labels, reversals = surveyed.labels.astype(object), surveyed.reversals.copy()
+    for i in surveyed.open:
         label, turns = _exact_label(system, [row[i] for row in values], trace)
         labels[i] = label
         reversals[i] = turns
-    return replace(found, labels=labels, reversals=reversals)
+    return replace(surveyed, labels=labels, reversals=reversals)
 
 
 def _exact_label(system: System, row: list[Any], trace: str | None) -> tuple[str, int]:
@@ -309,13 +309,13 @@ def _survey(
     known: DeclaredTraces, curve: Curve, values: list[np.ndarray], every_drift: bool
 ) -> Survey:
     formulas = known.memo.once(("in bounds", curve), lambda: _formulas(known, curve))
-    own = values[len(values) - len(known.system.parameters) :]
+    parameters = values[len(values) - len(known.system.parameters) :]
     *constants, place, rate = formulas.initial_values(*values)
-    raw = formulas.level(*own, *constants)
+    raw = formulas.level(*parameters, *constants)
     count = len(values[0])
     numbers = [_fill(e, count) for e in (*raw, place, rate)]
     quartic, cosine, phi = numbers[:5], numbers[5:7], numbers[7:-2]
-    found = Survey.blank(count)
+    surveyed = Survey.blank(count)
     heights, steps = degrees(quartic), degrees(phi)
     for height, step in {*zip(heights.tolist(), steps.tolist(), strict=True)}:
         chosen = np.nonzero((heights == height) & (steps == step))[0]
@@ -327,8 +327,8 @@ def _survey(
             (cosine[0].take(chosen), cosine[1].take(chosen)),
             numbers[-2].take(chosen), numbers[-1].take(chosen),
         )  # fmt: skip
-        group.enter(found, chosen, every_drift)
-    return found
+        group.enter(surveyed, chosen, every_drift)
+    return surveyed
 
 
 def _fill(value: BoundedNumber, count: int) -> BoundedNumber:
@@ -396,12 +396,12 @@ class _Group:
     def _off_poles(self, low: BoundedNumber, high: BoundedNumber) -> np.ndarray:
         """Where neither end can be a pole of the sphere."""
         offset, slope = self.cosine
-        found = np.ones(len(low.mid), dtype=bool)
+        clear = np.ones(len(low.mid), dtype=bool)
         for side in (1, -1):
             place = (side - offset) / slope
             for end in (low, high):
-                found &= (place - end).sign != 0
-        return found
+                clear &= (place - end).sign != 0
+        return clear
 
 
 def _end(roots: Discs, column: np.ndarray) -> BoundedNumber:
@@ -429,9 +429,9 @@ def _ends(
     turning = rate.zero & (start == 1)
     next_up = np.argmin(np.where(above, centre, np.inf), axis=1)
     next_down = np.argmax(np.where(below, centre, -np.inf), axis=1)
-    own = np.argmax(here, axis=1)
-    low = np.where(turning & upward, own, next_down)
-    high = np.where(turning & ~upward, own, next_up)
+    current = np.argmax(here, axis=1)
+    low = np.where(turning & upward, current, next_down)
+    high = np.where(turning & ~upward, current, next_up)
     has_up, has_down = np.any(above, axis=1), np.any(below, axis=1)
     whole = np.where(turning, np.where(upward, has_up, has_down), has_up & has_down)
     return np.stack([low, high], axis=1), roots.known & (moving | turning) & whole
@@ -463,10 +463,10 @@ class Discs:
 def degrees(coefficients: Sequence[BoundedNumber]) -> np.ndarray:
     """The degree of each polynomial, -1 of zero, -2 where that is not certain."""
     count = len(coefficients[0].mid)
-    found = np.full(count, -1)
+    degree = np.full(count, -1)
     for power, c in enumerate(coefficients):
-        found = np.where(c.sign != 0, power, np.where(c.zero, found, -2))
-    return found
+        degree = np.where(c.sign != 0, power, np.where(c.zero, degree, -2))
+    return degree
 
 
 def discs(coefficients: Sequence[BoundedNumber]) -> Discs:
@@ -532,5 +532,5 @@ def _products(roots: np.ndarray) -> Any:
     apart = roots[:, :, None] - roots[:, None, :]
     diagonal = np.arange(roots.shape[1])
     apart[:, diagonal, diagonal] = 1
-    found = np.prod(apart, axis=2)
-    return np.where(found == 0, np.nan, found)
+    products = np.prod(apart, axis=2)
+    return np.where(products == 0, np.nan, products)

@@ -116,17 +116,17 @@ def classify(closed: InvertedMotion) -> dict[str, TraceClass]:
     """
     known = declared_traces(closed.system)
     counted = {c.title: (c, tally(closed.problem, c)) for c in known.curves}
-    found: dict[str, TraceClass] = {}
+    classes: dict[str, TraceClass] = {}
     for name, (curve, counts) in counted.items():
         if counts is not None:
-            found[name] = _classify(closed, curve, counts)
+            classes[name] = _classify(closed, curve, counts)
     for name, (_, counts) in counted.items():
         if counts is None:
             # without an axis there is no colatitude; of two traces of one contact both rest or none
-            resting = any(c.label == "point" for c in found.values())
+            resting = any(c.label == "point" for c in classes.values())
             note = "its axis has no direction: the vector that gives it vanishes"
-            found[name] = TraceClass("point" if resting else "parallel", note=note)
-    return {name: found[name] for name in counted}
+            classes[name] = TraceClass("point" if resting else "parallel", note=note)
+    return {name: classes[name] for name in counted}
 
 
 def _classify(closed: InvertedMotion, curve: Curve, counts: Tally) -> TraceClass:
@@ -277,10 +277,10 @@ class _RootSearch:
     @cached_property
     def phi(self) -> tuple[Any, ...]:
         """The coefficients up to the last that is not zero."""
-        found = list(self.curve.above)
-        while found and self.problem.sign(found[-1]) == 0:
-            found.pop()
-        return tuple(found)
+        coefficients = list(self.curve.above)
+        while coefficients and self.problem.sign(coefficients[-1]) == 0:
+            coefficients.pop()
+        return tuple(coefficients)
 
     @cached_property
     def double(self) -> bool:
@@ -451,10 +451,10 @@ def _isolate_roots(values: list[Any]) -> list[tuple[Any, int]]:
     from voronec.elliptic.roots import OpenDecision
 
     try:
-        found = acb_poly(values).roots()
+        roots = acb_poly(values).roots()
     except ValueError:
         raise OpenDecision("phi may have a multiple root") from None
-    return [(r.real, 1) for r in found if r.imag.contains(0)]
+    return [(r.real, 1) for r in roots if r.imag.contains(0)]
 
 
 DEGREE = 4
@@ -559,12 +559,14 @@ def _read(system: System, motion: Quadratures) -> DeclaredTraces:
             f"system '{system.name}': its motion declares no traces; write "
             "traces=(Trace(u, v, cosine),)"
         )
-    own = tuple(p.symbol for p in system.parameters)
-    inputs = (*system.coordinates, *system.velocities, *own)
+    parameters = tuple(p.symbol for p in system.parameters)
+    inputs = (*system.coordinates, *system.velocities, *parameters)
     starting = (*motion.constants.values(), motion.meaning, prepare(system, {}).rate)
     quartic = ascending_coefficients(motion.quartic, motion.x, DEGREE)
     curves = tuple(_curve(motion, trace) for trace in motion.traces)
-    return DeclaredTraces(system, inputs, (*own, *motion.constants), starting, quartic, curves)
+    return DeclaredTraces(
+        system, inputs, (*parameters, *motion.constants), starting, quartic, curves
+    )
 
 
 def _curve(motion: Quadratures, trace: Trace) -> Curve:

@@ -241,12 +241,12 @@ def best_view(points: np.ndarray, start: bool = True) -> View:
     if start:
         weight *= 1 + np.exp(-np.cumsum(length) / 2)
     middle = (points[1:] + points[:-1]) / 2
-    best, found = -np.inf, View(0.0, 0.4)
+    best, view = -np.inf, View(0.0, 0.4)
     for height in np.radians([20, -20, 30, -30, 10, -10, 45, -45, 60, -60]):
         for longitude in np.arange(0, 2 * np.pi, np.pi / 18):
             depth = View(longitude, height).project(middle)[:, 2]
             score = weight @ np.clip(depth / 0.7, -0.2, 1.0) / weight.sum()
             score -= 0.3 * abs(abs(height) - np.radians(20))  # rings should look like rings
             if score > best + 1e-9:
-                best, found = score, View(float(longitude), float(height))
-    return found
+                best, view = score, View(float(longitude), float(height))
+    return view

@@ -56,17 +56,17 @@ def motion_traces(
     span
         the time that is drawn of a motion without a period.
     """
-    found = []
+    traces = []
     for number, trace in enumerate(closed.quadratures.traces):
         u, v = plain_name(trace.colatitude), plain_name(trace.longitude)
         times = _times(closed, shown_periods(closed, v) if periods is None else periods, span)
         values = closed.at(times, (u, v))
         axis = r"$\mathbf{z}$" if number == 0 else rf"$\mathbf{{z}}_{number}$"
-        found.append(SphereTrace(
+        traces.append(SphereTrace(
             values[u], values[v], times, title=(titles or {}).get(v, ""),
             note=(notes or {}).get(v, ""), axis=axis,
         ))  # fmt: skip
-    return tuple(found)
+    return tuple(traces)
 
 
 def _times(closed: ClosedForm, periods: float, span: float) -> np.ndarray:
@@ -278,11 +278,11 @@ def _arrow_places(curve: Arcs) -> list[tuple[np.ndarray, np.ndarray]]:
     across = np.linalg.norm(heading[:, :2], axis=1) / np.maximum(size, 1e-12)
     merit = np.where(early, middle[:, 2] + 20 * (straight - 1) + across, -np.inf)
     best = int(np.argmax(merit))
-    found = [(middle[best, :2], heading[best, :2])] if merit[best] > 0.8 else []
+    arrows = [(middle[best, :2], heading[best, :2])] if merit[best] > 0.8 else []
     last = arcs[-1, 3] - arcs[-1, 2]
     if arcs[-1, 3, 2] > 0.1 and np.linalg.norm(last[:2]) > 1e-6:
-        found.append((arcs[-1, 3, :2], last[:2]))
-    return [(place, way / np.linalg.norm(way)) for place, way in found]
+        arrows.append((arcs[-1, 3, :2], last[:2]))
+    return [(place, way / np.linalg.norm(way)) for place, way in arrows]
 
 
 def _dots(axis: Any, places: np.ndarray, scale: float) -> None:

@@ -133,32 +133,32 @@ def _read(
     family: Precessions, plane: tuple[Any, Any], fixed: Mapping[Any, Any]
 ) -> tuple[tuple[sp.Symbol, sp.Symbol], tuple[sp.Symbol, sp.Expr]]:
     """The constants by name: two of the plane, and the third with its value."""
-    own = {str(c): c for c in family.constants}
+    constants = {str(c): c for c in family.constants}
     given = fixed_mapping(fixed, "fixed", "constant: value")
     asked = [*map(str, plane), *map(str, given)]
-    if len(plane) != 2 or sorted(asked) != sorted(own):
+    if len(plane) != 2 or sorted(asked) != sorted(constants):
         raise DefinitionError(
             f"plane {quote(tuple(map(str, plane)))} and fixed {quote([*map(str, given)])} must "
-            f"name each of the constants {', '.join(own)} once: two in plane, one in fixed"
+            f"name each of the constants {', '.join(constants)} once: two in plane, one in fixed"
         )
     ((name, value),) = given.items()
     number = exact(expression(value, f"the constant '{name}'"))
-    return (own[asked[0]], own[asked[1]]), (own[str(name)], number)
+    return (constants[asked[0]], constants[asked[1]]), (constants[str(name)], number)
 
 
 def _discriminant(f: sp.Expr, x: sp.Symbol) -> sp.Expr:
     above = sp.fraction(sp.together(f))[0]
-    found = sp.discriminant(sp.Poly(above, x))
-    return sp.prod(factor for factor, _ in sp.factor_list(found)[1])
+    discriminant = sp.discriminant(sp.Poly(above, x))
+    return sp.prod(factor for factor, _ in sp.factor_list(discriminant)[1])
 
 
 def _meetings(curve: sp.Expr, second: sp.Expr, x: sp.Symbol) -> list[sp.Expr]:
     """Where stability may change along the curve."""
-    found = []
+    resultants = []
     for factor, _ in sp.factor_list(curve)[1]:
         if factor.has(x):
-            found.append(sp.resultant(factor, second, x))
-    return [e for e in found if e != 0]
+            resultants.append(sp.resultant(factor, second, x))
+    return [e for e in resultants if e != 0]
 
 
 def _graphs(
@@ -167,14 +167,14 @@ def _graphs(
     """The pieces over an interval of w, up to where they end."""
     rows = strip.abscissae()
     limits = [_limits(family, strip, axes, end) for end in strip.ends]
-    found = []
+    pieces = []
     drawn = zip(strip.graphs(), strip.signs(family.derivative(2)), *limits, strict=True)
     for graph, sign, first, last in drawn:
         points = _map_points(family, axes, graph[1:-1], rows[1:-1])
         closed = [p for p in (first, points, last) if p is not None]
         kept = slice(int(first is None), len(rows) - int(last is None))
-        found.append(LevelCurve(np.vstack(closed), graph[kept], rows[kept], sign < 0))
-    return found
+        pieces.append(LevelCurve(np.vstack(closed), graph[kept], rows[kept], sign < 0))
+    return pieces
 
 
 def _limits(
@@ -208,7 +208,7 @@ def _vertical(
     x, w = family.place, family.rate
     second = family.derivative(2)
     above = sp.fraction(sp.together(second))[0]
-    found = []
+    pieces = []
     for flat in (f for f, _ in sp.factor_list(curve)[1] if not f.has(x) and f.has(w)):
         edges = [Fraction(-1), *_crossings(sp.resultant(flat, above, w), x), Fraction(1)]
         for isolated, _ in sp.Poly(flat, w).intervals(eps=Fraction(1, 10**60)):
@@ -221,16 +221,16 @@ def _vertical(
                 sign = sign_on(second, {x: (middle, middle), w: pair})
                 graph = float(a) + float(b - a) * STEPS
                 points = _map_points(family, axes, graph, np.full_like(graph, rate))
-                found.append(LevelCurve(points, graph, np.full_like(graph, rate), sign < 0))
-    return found
+                pieces.append(LevelCurve(points, graph, np.full_like(graph, rate), sign < 0))
+    return pieces
 
 
 def _crossings(poly: sp.Expr, x: sp.Symbol) -> list[Fraction]:
     """Where a polynomial in x vanishes in (-1, 1), rounded."""
     if not poly.has(x):
         return []
-    found = sp.Poly(poly, x).sqf_part().intervals(inf=-1, sup=1, eps=Fraction(1, 10**20))
-    middles = [_plain((a + b) / 2) for (a, b), _ in found]
+    intervals = sp.Poly(poly, x).sqf_part().intervals(inf=-1, sup=1, eps=Fraction(1, 10**20))
+    middles = [_plain((a + b) / 2) for (a, b), _ in intervals]
     return [m for m in middles if abs(m) < 1]
 
 
@@ -242,8 +242,8 @@ def _plain(value: Any) -> Fraction:
 def _map_points(
     family: Precessions, axes: tuple[sp.Symbol, sp.Symbol], x: np.ndarray, w: np.ndarray
 ) -> np.ndarray:
-    own = (family.place, family.rate)
-    columns = [sp.lambdify(own, family.constants[c], "numpy")(x, w) for c in axes]
+    variables = (family.place, family.rate)
+    columns = [sp.lambdify(variables, family.constants[c], "numpy")(x, w) for c in axes]
     return np.column_stack([np.broadcast_to(c, x.shape) for c in columns])
 
 
@@ -254,10 +254,10 @@ def _points(
     value: sp.Expr,
 ) -> list[LevelPoint]:
     """Motions at the poles and precessions that the family leaves out, on this level."""
-    own = [(e.place, e.free, e.constants, "at a pole") for e in family.ends]
-    own += [(b.place, b.free, b.constants, "beside the family") for b in family.branches]
-    found = []
-    for place, free, constants, what in own:
+    motions = [(e.place, e.free, e.constants, "at a pole") for e in family.ends]
+    motions += [(b.place, b.free, b.constants, "beside the family") for b in family.branches]
+    points = []
+    for place, free, constants, what in motions:
         level = sp.expand(constants[other] - value)
         roots = sp.roots(level, free) if level.has(free) else {}
         for root in roots:
@@ -266,5 +266,5 @@ def _points(
             known = {c: as_expression(e).xreplace({free: root}) for c, e in constants.items()}
             stable = decide_stability(family.quadratures, known, dict(family.values), place).stable
             point = tuple(float(known[c]) for c in axes)
-            found.append(LevelPoint((point[0], point[1]), float(place), stable, what))
-    return found
+            points.append(LevelPoint((point[0], point[1]), float(place), stable, what))
+    return points

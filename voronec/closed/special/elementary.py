@@ -87,12 +87,12 @@ def _finite(
     poles: Mapping[sp.Expr, sp.Expr], values: Mapping[Any, sp.Expr]
 ) -> dict[sp.Expr, sp.Expr]:
     """The poles that these values leave in the finite, with their weights."""
-    found = {}
+    finite = {}
     for place, weight in poles.items():
         below = sp.denom(sp.together(place)).xreplace(dict(values))
         if below != 0:
-            found[place.xreplace(dict(values))] = shorten([weight.xreplace(dict(values))])[0]
-    return found
+            finite[place.xreplace(dict(values))] = shorten([weight.xreplace(dict(values))])[0]
+    return finite
 
 
 def _share(rate: sp.Expr, x: sp.Symbol, pole: sp.Expr, weight: sp.Expr) -> int:

@@ -43,17 +43,17 @@ class Strip:
     def places(self) -> list[Fraction]:
         """Rational values of x, one between any two neighbouring curves at ``inside``."""
         roots = [_isolate_roots(p, self.inside) for p in self.polys]
-        return _between(sorted(r for own in roots for r in own))
+        return _between(sorted(r for isolated in roots for r in isolated))
 
     def signs(self, expr: sp.Expr) -> list[int]:
         """The sign of an expression on every curve, where it does not vanish on any."""
-        found = []
+        signed = []
         for p in self.polys:
-            own = _isolate_roots(p, self.inside)
+            isolated = _isolate_roots(p, self.inside)
             x, w = p.gens
             here = {w: (self.inside, self.inside)}
-            found += [(pair, sign_on(expr, {x: pair, **here})) for pair in own]
-        return [sign for _, sign in sorted(found)]
+            signed += [(pair, sign_on(expr, {x: pair, **here})) for pair in isolated]
+        return [sign for _, sign in sorted(signed)]
 
     def places_at(self, w: Fraction) -> list[tuple[Fraction, Fraction]]:
         """Isolating intervals of x of every curve at w, from below."""
@@ -88,15 +88,15 @@ def critical(
     curves: Sequence[sp.Poly], x: sp.Symbol, w: sp.Symbol, cuts: Sequence[sp.Expr] = ()
 ) -> list[tuple[Fraction, Fraction]]:
     """Isolating intervals of the values of w over which something may change, from below."""
-    own = [*cuts]
+    polynomials = [*cuts]
     for p in curves:
         e = p.as_expr()
-        own += [sp.LC(e, x), e.subs(x, 1), e.subs(x, -1)]
+        polynomials += [sp.LC(e, x), e.subs(x, 1), e.subs(x, -1)]
         if sp.degree(e, x) > 1:
-            own.append(sp.discriminant(e, x))
-    own += [sp.resultant(p.as_expr(), q.as_expr(), x) for p, q in combinations(curves, 2)]
+            polynomials.append(sp.discriminant(e, x))
+    polynomials += [sp.resultant(p.as_expr(), q.as_expr(), x) for p, q in combinations(curves, 2)]
     product = sp.Poly(1, w)
-    for e in own:
+    for e in polynomials:
         poly = sp.Poly(e, w)
         if not poly.is_zero and poly.degree() > 0:
             product = product.lcm(poly.sqf_part())
@@ -130,11 +130,11 @@ def _real_roots(
 
     while True:
         with ctx.workprec(bits):
-            found = [root.real for root, _ in poly.complex_roots() if root.imag == 0]
+            roots = [root.real for root, _ in poly.complex_roots() if root.imag == 0]
             if within is None:
-                return [_ends(r) for r in found]
-            if not any(r.contains(within) or r.contains(-within) for r in found):
-                return [_ends(r) for r in found if -within < r < within]
+                return [_ends(r) for r in roots]
+            if not any(r.contains(within) or r.contains(-within) for r in roots):
+                return [_ends(r) for r in roots if -within < r < within]
         bits *= 2
 
 
@@ -175,10 +175,10 @@ def _quotient(value: Any) -> Any:
 
 def _factors(exprs: Sequence[sp.Expr]) -> list[sp.Expr]:
     """The different irreducible factors."""
-    found: list[sp.Expr] = []
+    factors: list[sp.Expr] = []
     for e in exprs:
-        found += [f for f, _ in sp.factor_list(e)[1] if f not in found]
-    return found
+        factors += [f for f, _ in sp.factor_list(e)[1] if f not in factors]
+    return factors
 
 
 def _intervals(
@@ -188,12 +188,12 @@ def _intervals(
     low, high = window or _around(pairs)
     inner = [p for p in pairs if low < p[1] and p[0] < high]
     edges = [(Fraction(low),) * 2, *inner, (Fraction(high),) * 2]
-    found = []
+    intervals = []
     for (_, a), (b, _) in pairwise(edges):
         if a < b:
             edge = (b - a) * BESIDE
-            found.append(((a + edge, b - edge), ((a + b) / 2).limit_denominator(10**6)))
-    return [((a, b), m) for (a, b), m in found if a < m < b]
+            intervals.append(((a + edge, b - edge), ((a + b) / 2).limit_denominator(10**6)))
+    return [((a, b), m) for (a, b), m in intervals if a < m < b]
 
 
 def _around(pairs: Sequence[tuple[Fraction, Fraction]]) -> tuple[float, float]:

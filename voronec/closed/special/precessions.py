@@ -61,8 +61,8 @@ def scene_of(
         state[name] = sp.expand(value)  # so that what is zero reads so
     if quadratures.space is not None:
         state |= upright(quadratures.space, {**state, **at}, angle, x, sine)
-    own = {p.symbol: at[p.symbol] for p in family.system.parameters if p.symbol in at}
-    return Scene(initial=state, parameters=own, times=times)
+    parameters = {p.symbol: at[p.symbol] for p in family.system.parameters if p.symbol in at}
+    return Scene(initial=state, parameters=parameters, times=times)
 
 
 def _angle_rates(family: Precessions) -> dict[Any, sp.Expr]:
@@ -117,9 +117,9 @@ def linear_matrix(family: Precessions) -> sp.Matrix:
 
 
 def _on_family(family: Precessions, value: sp.Expr) -> sp.Expr:
-    own = family.at_colatitude(value.xreplace(dict(family.state)))
+    restricted = family.at_colatitude(value.xreplace(dict(family.state)))
     angle, cosine = family.colatitude
-    return as_expression(own if angle is None else own.subs(angle, sp.acos(cosine)))
+    return as_expression(restricted if angle is None else restricted.subs(angle, sp.acos(cosine)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,8 +164,8 @@ class Precessions:
     def on(self, value: Any) -> sp.Expr:
         """An expression in the variable, constants and parameters, on the family: a function of x,
         w and what is left of the parameters, in its shortest form."""
-        own = as_expression(value).xreplace(dict(self.constants))
-        return short(own.xreplace(dict(self.values)))
+        restricted = as_expression(value).xreplace(dict(self.constants))
+        return short(restricted.xreplace(dict(self.values)))
 
     @property
     def colatitude(self) -> tuple[Any, sp.Expr]:
@@ -174,9 +174,9 @@ class Precessions:
         meaning, x = self.quadratures.meaning, self.place
         if isinstance(meaning, sp.cos):
             return meaning.args[0], x
-        own = (t for t in self.quadratures.traces if meaning.has(t.colatitude))
-        found = next(((t.colatitude, t.cosine) for t in own), (None, x))
-        return found[0], found[1].xreplace(dict(self.values))
+        traces = (t for t in self.quadratures.traces if meaning.has(t.colatitude))
+        pair = next(((t.colatitude, t.cosine) for t in traces), (None, x))
+        return pair[0], pair[1].xreplace(dict(self.values))
 
     def at_colatitude(self, value: Any) -> Any:
         """A function of the state, or a matrix of such, where the variable is x."""
@@ -188,8 +188,8 @@ class Precessions:
     @cached_property
     def state(self) -> Mapping[Any, sp.Expr]:
         """Velocity of the equations -> its value on the family."""
-        found = {v: self.on(_at_rest(self, e)) for v, e in self.quadratures.velocities.items()}
-        return MappingProxyType(found)
+        velocities = {v: self.on(_at_rest(self, e)) for v, e in self.quadratures.velocities.items()}
+        return MappingProxyType(velocities)
 
     @cached_property
     def levels(self) -> Mapping[sp.Symbol, sp.Expr]:
@@ -206,13 +206,17 @@ class Precessions:
     @cached_property
     def rates(self) -> Mapping[Any, sp.Expr]:
         """Angle -> its rate, with ``levels`` by their symbols; undefined where a trace rests."""
-        own, found = self.quadratures, {}
-        for angle, expr in own.integrals.items():
-            value = (expr / own.clock).xreplace(dict(self.constants)).xreplace(dict(self.values))
+        quadratures, turning = self.quadratures, {}
+        for angle, expr in quadratures.integrals.items():
+            value = (
+                (expr / quadratures.clock)
+                .xreplace(dict(self.constants))
+                .xreplace(dict(self.values))
+            )
             for symbol, level in self.levels.items():
                 value = _linear_in(value, symbol, level**2)
-            found[angle] = short(value)
-        return MappingProxyType(found)
+            turning[angle] = short(value)
+        return MappingProxyType(turning)
 
     def derivative(self, order: int) -> sp.Expr:
         """A derivative of the quartic by x, at x, of an order up to 4: zero for 0 and 1.
@@ -322,12 +326,12 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
             continue
         steps = _solve_constants(inside, expr.xreplace(values) - rate, quadratures.x, constants)
         if steps is not None:
-            found, *linear = steps
+            solved, *linear = steps
             branches = _branches_of(
-                expr.xreplace(values) - rate, inside, quadratures.x, found, linear
+                expr.xreplace(values) - rate, inside, quadratures.x, solved, linear
             )
             return Precessions(
-                system, quadratures, angle, rate, MappingProxyType(found), branches,
+                system, quadratures, angle, rate, MappingProxyType(solved), branches,
                 MappingProxyType(values),
             )  # fmt: skip
     raise EngineLimit(
@@ -341,9 +345,9 @@ def precessions(system: System, parameters: Mapping[Any, Any] | None = None) -> 
 
 def _at_rest(family: Precessions, value: sp.Expr) -> sp.Expr:
     """An expression where angles turn at their rates and the colatitude is constant."""
-    own = family.quadratures
-    turning = {velocity(q): e / own.clock for q, e in own.integrals.items()}
-    still = {velocity(q): sp.S.Zero for q in own.meaning.free_symbols}
+    quadratures = family.quadratures
+    turning = {velocity(q): e / quadratures.clock for q, e in quadratures.integrals.items()}
+    still = {velocity(q): sp.S.Zero for q in quadratures.meaning.free_symbols}
     return family.at_colatitude(value.xreplace({**turning, **still}))
 
 
@@ -378,12 +382,12 @@ class End:
 
 def ends_of(quadratures: Quadratures, values: Mapping[Any, sp.Expr]) -> tuple[End, ...]:
     """The motions at 1 and at -1, where these are poles of the integrals."""
-    found = []
+    ends = []
     for place, weight in quadratures.poles.items():
         if place in (1, -1):
             end = _end(quadratures, place, weight.xreplace(dict(values)), values)
-            found += [end] if end is not None else []
-    return tuple(sorted(found, key=lambda end: -end.place))
+            ends += [end] if end is not None else []
+    return tuple(sorted(ends, key=lambda end: -end.place))
 
 
 def _end(
@@ -453,9 +457,9 @@ def _solve_constants(
     place, *left = bridge.inward_all([x, *constants])
     if len(left) != len(equations):
         return None
-    found: dict[Any, Any] = {}
+    solved: dict[Any, Any] = {}
     for equation in equations:
-        above, _ = quotient(equation.xreplace(found))
+        above, _ = quotient(equation.xreplace(solved))
         slopes = {c: above.diff(c) for c in left}
         linear = [c for c, e in slopes.items() if e != 0 and c not in e.free_symbols]
         if not linear:
@@ -464,10 +468,10 @@ def _solve_constants(
         constant = min(linear, key=lambda c: place in slopes[c].free_symbols)
         value = -above.xreplace({constant: se.Integer(0)}) / slopes[constant]
         rest, slope = quotient(value)
-        found = {c: e.xreplace({constant: value}) for c, e in found.items()} | {constant: value}
-        found = {c: shortest([e])[0] for c, e in found.items()}
+        solved = {c: e.xreplace({constant: value}) for c, e in solved.items()} | {constant: value}
+        solved = {c: shortest([e])[0] for c, e in solved.items()}
         left.remove(constant)
-    order = {c: bridge.outward(found[bridge.inward(c)]) for c in constants}
+    order = {c: bridge.outward(solved[bridge.inward(c)]) for c in constants}
     return order, bridge.outward(slope), bridge.outward(rest), bridge.outward(constant)
 
 
@@ -517,8 +521,8 @@ def _branch(
 
 def short(value: sp.Expr) -> sp.Expr:
     """The shortest proved form."""
-    (found,) = shorten([value])
-    return found
+    (form,) = shorten([value])
+    return form
 
 
 def _linear_in(value: sp.Expr, symbol: sp.Symbol, square: sp.Expr) -> sp.Expr:

@@ -46,20 +46,20 @@ def inverse(a: Series) -> list[sp.Expr]:
 
 def quotient(a: Series, b: Series, terms: int) -> list[sp.Expr]:
     """a/b; the first coefficient of b is not zero."""
-    found: list[sp.Expr] = []
+    series: list[sp.Expr] = []
     for n in range(terms):
-        known = sp.Add(*(b[i] * found[n - i] for i in range(1, n + 1) if i < len(b)))
-        found.append(((a[n] if n < len(a) else 0) - known) / b[0])
-    return found
+        known = sp.Add(*(b[i] * series[n - i] for i in range(1, n + 1) if i < len(b)))
+        series.append(((a[n] if n < len(a) else 0) - known) / b[0])
+    return series
 
 
 def _square_root(a: Series, terms: int) -> list[sp.Expr]:
     """The root with a positive first coefficient."""
-    found = [sp.sqrt(a[0])]
+    series = [sp.sqrt(a[0])]
     for n in range(1, terms):
-        known = sp.Add(*(found[i] * found[n - i] for i in range(1, n)))
-        found.append(in_factors(((a[n] if n < len(a) else 0) - known) / (2 * found[0])))
-    return found
+        known = sp.Add(*(series[i] * series[n - i] for i in range(1, n)))
+        series.append(in_factors(((a[n] if n < len(a) else 0) - known) / (2 * series[0])))
+    return series
 
 
 def around(
@@ -71,7 +71,7 @@ def around(
     All of it is a sum of integrals of y^(2m) (D - a y^2)^(-1/2 - j), taken around a path that does
     not meet the roots; those with j > 0 are derivatives by D of those with j = 0.
     """
-    width, found = sp.Dummy("D"), []
+    width, series = sp.Dummy("D"), []
     powers = [[sp.S.One, *[sp.S.Zero] * terms]]
     shifted = [sp.S.Zero, *beside]
     for _ in range(terms):
@@ -83,8 +83,8 @@ def around(
             poly = sp.Poly(sp.expand(part[n]), y) if part[n] != 0 else None
             for (power,), c in poly.terms() if poly is not None else ():
                 total += sp.binomial(sp.Rational(-1, 2), j) * c * _moment(power, j, a, width)
-        found.append(total.xreplace({width: D}))
-    return found
+        series.append(total.xreplace({width: D}))
+    return series
 
 
 def _moment(power: int, j: int, a: sp.Expr, D: sp.Symbol) -> sp.Expr:
@@ -195,14 +195,14 @@ def pseudo_regular(
     the other parameters; what is left of the start stays symbols, and costs time.  ``EngineLimit``
     where parameters are symbols, and where the limit is no harmonic nutation.
     """
-    own = {p.name: p.symbol for p in system.parameters}
-    if plain_name(large) not in own:
+    symbols = {p.name: p.symbol for p in system.parameters}
+    if plain_name(large) not in symbols:
         raise DefinitionError(f"system '{system.name}' has no parameter '{quote(large)}'")
     quadratures = quadratures_of(system)
     wanted = {plain_name(t.longitude) for t in quadratures.traces}
     kept = [q for q in quadratures.integrals if plain_name(q) in wanted]
     given = read_parameters(system, parameters or {}) | _start_values(system, start or {})
-    limit = _Limit(quadratures, own[plain_name(large)], terms, MappingProxyType(given))
+    limit = _Limit(quadratures, symbols[plain_name(large)], terms, MappingProxyType(given))
     return PseudoRegular(
         system=system,
         large=limit.large,
@@ -247,8 +247,8 @@ class _Limit:
         (angle,) = quadratures.meaning.free_symbols
         x = quadratures.x
         known = {sp.cos(angle): x, sp.sin(angle): self.sine}
-        found = {c: expr.subs(known) for c, expr in quadratures.constants.items()}
-        return {c: self._in_e(expr) for c, expr in found.items()}
+        constants = {c: expr.subs(known) for c, expr in quadratures.constants.items()}
+        return {c: self._in_e(expr) for c, expr in constants.items()}
 
     def _in_e(self, value: sp.Expr) -> sp.Expr:
         return value.xreplace(dict(self.values)).subs(self.large, 1 / _E)
@@ -347,15 +347,15 @@ _SINE = sp.Symbol("sine_", positive=True)
 
 def _start_values(system: System, start: Mapping[Any, Any]) -> dict[Any, sp.Expr]:
     """x and velocities at the beginning, by their symbols."""
-    own = {plain_name(s): s for s in (quadratures_of(system).x, *system.velocities)}
-    found = {}
+    symbols = {plain_name(s): s for s in (quadratures_of(system).x, *system.velocities)}
+    values = {}
     for key, value in fixed_mapping(start, "start", "x or velocity: value").items():
-        if plain_name(key) not in own:
+        if plain_name(key) not in symbols:
             raise DefinitionError(
-                f"a start has no '{quote(key)}'; it has values for {', '.join(own)}"
+                f"a start has no '{quote(key)}'; it has values for {', '.join(symbols)}"
             )
-        found[own[plain_name(key)]] = exact(expression(value, f"the start '{quote(key)}'"))
-    return found
+        values[symbols[plain_name(key)]] = exact(expression(value, f"the start '{quote(key)}'"))
+    return values
 
 
 def _series(value: sp.Expr) -> list[sp.Expr]:

@@ -54,10 +54,10 @@ def sign_of(value: Any) -> int:
         return int(sp.sign(number))
     for bits in PRECISIONS:
         with precise(bits):
-            found = ball(number)
-        if found > 0:
+            enclosure = ball(number)
+        if enclosure > 0:
             return 1
-        if found < 0:
+        if enclosure < 0:
             return -1
         if bits == PRECISIONS[1] and prove_equal(number, 0).proved:
             return 0
@@ -111,8 +111,8 @@ def _flat(
 ) -> Stability:
     """f vanishes identically: a small change of a constant makes it positive all over (-1, 1)."""
     x = quadratures.x
-    own = {k: v for k, v in known.items() if k not in quadratures.constants}
-    general = sp.expand(quadratures.quartic.xreplace(own))
+    parameters = {k: v for k, v in known.items() if k not in quadratures.constants}
+    general = sp.expand(quadratures.quartic.xreplace(parameters))
     for constant in quadratures.constants:
         slope = sp.diff(general, constant)
         if not slope or slope.has(constant) or slope.free_symbols - {x}:

@@ -108,13 +108,13 @@ def _regions(strip: Strip, second: sp.Expr, x: sp.Symbol, w: sp.Symbol) -> list[
     rows = strip.abscissae()
     ones = np.ones_like(rows)
     edges = [-ones, *strip.graphs(), ones]
-    found = []
+    regions = []
     for place, left, right in zip(strip.places(), edges, edges[1:], strict=False):
         at = sp.Rational(place.numerator, place.denominator)
         sign = sign_of(second.xreplace({x: at, w: here}))
         outline = _outline(rows, left, right)
-        found.append(Region(sign < 0, (place, strip.inside), outline))
-    return found
+        regions.append(Region(sign < 0, (place, strip.inside), outline))
+    return regions
 
 
 def _outline(rows: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:

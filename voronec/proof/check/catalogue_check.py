@@ -45,11 +45,11 @@ def check_relation(relation: Relation, systems: Iterable[System] = ()) -> Checke
 
     if not isinstance(relation, Relation):
         raise DefinitionError(f"'{quote(relation)}' is not a voronec.Relation; give one")
-    own = {s.name: s for s in map(require_system, several(systems, "systems", "system", System))}
+    given = {s.name: s for s in map(require_system, several(systems, "systems", "system", System))}
 
     @cache
     def motions(name: str) -> Motions:
-        return Motions.of(own[name] if name in own else load(name))
+        return Motions.of(given[name] if name in given else load(name))
 
     return decide(relation, motions)
 
@@ -158,21 +158,21 @@ def check_catalogue(
     units = units_of(stock, names)
     files: dict[str, tuple[Path, ...]] = {}
     keys = {} if store is None else {unit: unit.key(files) for unit in units}
-    found = _known(store, keys)
-    pending = [unit for unit in units if unit not in found]
+    outcomes = _known(store, keys)
+    pending = [unit for unit in units if unit not in outcomes]
     stopped = False
     tell = progress or (lambda _: None)
     by_name = {(unit.kind, unit.name): unit for unit in pending}
     running = _results_of(
         pending,
         jobs or os.cpu_count() or 1,
-        lambda at: tell(f"{len(found)} of {len(units)} done; at {at}"),
+        lambda at: tell(f"{len(outcomes)} of {len(units)} done; at {at}"),
     )
     try:
         with closing(running):
             for result in running:
                 unit = by_name[result.kind, result.name]
-                found[unit] = result
+                outcomes[unit] = result
                 if store is not None and unit.key({}) == keys[unit]:  # else edited meanwhile
                     store.save(keys[unit], "result", result.as_dict())
     except KeyboardInterrupt:
@@ -180,18 +180,18 @@ def check_catalogue(
     wrong = [
         trouble_result(t) for t in stock.all_troubles if not names or {t.name, t.owner} & {*names}
     ]
-    results = (*wrong, *(found[unit] for unit in units if unit in found))
+    results = (*wrong, *(outcomes[unit] for unit in units if unit in outcomes))
     return Report(tuple(results), perf_counter() - begun, stopped)
 
 
 def _known(store: Store | None, keys: dict[Unit, str]) -> dict[Unit, Result]:
     """Results of earlier checks.  What failed is tried again: the cause may lie outside."""
-    found = {}
+    outcomes = {}
     for unit, key in keys.items():
         kept = store.load(key, "result") if store is not None else None
         if kept is not None and (result := Result.from_dict(kept)).status != "broken":
-            found[unit] = mark_as_known(result)
-    return found
+            outcomes[unit] = mark_as_known(result)
+    return outcomes
 
 
 def trouble_result(trouble: Trouble) -> Result:

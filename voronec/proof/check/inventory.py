@@ -119,20 +119,20 @@ class Inventory:
     def of(cls, files: Iterable[str] = ()) -> Inventory:
         """Take stock.  A file may be one of the catalogue's; ``DefinitionError`` where it fails."""
         known, _ = entries()
-        found = {e.name: e for e in known}
+        by_name = {e.name: e for e in known}
         troubles = [
-            Trouble("system", hidden.name, hidden.name, hidden.place, _repeats(hidden, found))
+            Trouble("system", hidden.name, hidden.name, hidden.place, _repeats(hidden, by_name))
             for hidden in _shadowed_entries(known)
         ]
         for file in files:
             entry = file_entry(file)
-            other = found.get(entry.name)
+            other = by_name.get(entry.name)
             if other is None:
-                found[entry.name] = entry
+                by_name[entry.name] = entry
             elif other.origin is None or not other.origin.samefile(entry.path):
-                why = _repeats(entry, found)
+                why = _repeats(entry, by_name)
                 troubles.append(Trouble("system", entry.name, entry.name, entry.place, why))
-        return cls(found, tuple(troubles))
+        return cls(by_name, tuple(troubles))
 
     @cached_property
     def contents(self) -> Contents:
@@ -143,10 +143,10 @@ class Inventory:
         kept = store.load(key, "contents")
         if kept is not None:
             return Contents.from_dict(kept)
-        found = _survey(self.entries)
-        if not found.troubles:  # the cause may lie outside
-            store.save(key, "contents", asdict(found))
-        return found
+        declared = _survey(self.entries)
+        if not declared.troubles:  # the cause may lie outside
+            store.save(key, "contents", asdict(declared))
+        return declared
 
     @cached_property
     def systems(self) -> dict[str, System]:
@@ -184,10 +184,12 @@ class Inventory:
         """Systems and relations as a networkx ``MultiDiGraph``, the relations by their names."""
         import networkx
 
-        found = networkx.MultiDiGraph()
-        found.add_nodes_from(self.nodes)
-        found.add_edges_from((e.source, e.target, e.label, {"relation": e}) for e in self.relations)
-        return found
+        network = networkx.MultiDiGraph()
+        network.add_nodes_from(self.nodes)
+        network.add_edges_from(
+            (e.source, e.target, e.label, {"relation": e}) for e in self.relations
+        )
+        return network
 
     def relation(self, edge: Edge) -> Relation:
         """The relation of that name."""
@@ -222,9 +224,9 @@ def _survey(entries: Mapping[str, Entry]) -> Contents:
     """What systems declare, and what is wrong with it at sight: every system is loaded."""
     from voronec.proof.relations.diagram import diagram, squares_of
 
-    found = _Survey(entries)
-    edges, squares, troubles = found.declared_checks
-    graph = diagram([*found.systems, *found.related_members(edges)], [e.value for e in edges])
+    survey = _Survey(entries)
+    edges, squares, troubles = survey.declared_checks
+    graph = diagram([*survey.systems, *survey.related_members(edges)], [e.value for e in edges])
     beside = {e.value.label: e.entry for e in edges}
     named = {s.value.label: s for s in squares}
     faces = []
@@ -233,11 +235,11 @@ def _survey(entries: Mapping[str, Entry]) -> Contents:
         ends = (square.first, square.second, square.up_to, square.name)
         faces.append(Face(square.label, at.entry.name, at.position, *ends))
     return Contents(
-        {name: _summary(system) for name, system in found.systems.items()},
-        found.families[0],
+        {name: _summary(system) for name, system in survey.systems.items()},
+        survey.families[0],
         tuple(_edge(e) for e in edges),
         tuple(faces),
-        (*found.troubles, *found.families[1], *troubles),
+        (*survey.troubles, *survey.families[1], *troubles),
     )
 
 
@@ -272,19 +274,19 @@ class _Survey:
 
     @cached_property
     def systems_or_errors(self) -> dict[str, System | DefinitionError]:
-        found: dict[str, System | DefinitionError] = {}
+        loaded: dict[str, System | DefinitionError] = {}
         for name, entry in self.entries.items():
             try:
-                found[name] = entry.load()
+                loaded[name] = entry.load()
             except DefinitionError as error:
-                found[name] = error
-        return found
+                loaded[name] = error
+        return loaded
 
     @cached_property
     def systems(self) -> dict[str, System]:
         """The systems that load."""
-        found = self.systems_or_errors.items()
-        return {n: s for n, s in found if not isinstance(s, DefinitionError)}
+        loaded = self.systems_or_errors.items()
+        return {n: s for n, s in loaded if not isinstance(s, DefinitionError)}
 
     @property
     def troubles(self) -> Iterator[Trouble]:
@@ -296,7 +298,7 @@ class _Survey:
     @cached_property
     def families(self) -> tuple[dict[str, dict[str, bool]], list[Trouble]]:
         """The members of each system that has some, and families that cannot be told apart."""
-        found, troubles = dict[str, dict[str, bool]](), []
+        by_system, troubles = dict[str, dict[str, bool]](), []
         for name, system in self.systems.items():
             entry = self.entries[name]
             try:
@@ -305,8 +307,10 @@ class _Survey:
                 troubles.append(Trouble("system", name, name, entry.place, str(error)))
             else:
                 if members:
-                    found[name] = {m: _stands_for(system, entry.member_entry(m)) for m in members}
-        return found, troubles
+                    by_system[name] = {
+                        m: _stands_for(system, entry.member_entry(m)) for m in members
+                    }
+        return by_system, troubles
 
     def related_members(self, edges: Sequence[_Declaration]) -> list[str]:
         """The members of families at the ends of relations."""
@@ -416,10 +420,10 @@ def graph(names: Iterable[str] = ()) -> Any:
     names = names_read("graph", names)
     stock = Inventory.of()
     chosen = {stock.entry(name).name for name in names}
-    found = around(stock.graph, chosen) if chosen else stock.graph
-    for *_, data in found.edges(data=True):
+    network = around(stock.graph, chosen) if chosen else stock.graph
+    for *_, data in network.edges(data=True):
         data["relation"] = stock.relation(data["relation"])
-    return found
+    return network
 
 
 def around(whole: Any, chosen: set[str]) -> Any:

@@ -52,18 +52,18 @@ def units_of(stock: Inventory, names: Sequence[str] = ()) -> list[Unit]:
     with its members."""
     names = [*names, *(member for name in names for member in stock.members_of(name))]
     edges = {r.label: r for r in stock.relations}
-    found = [
+    units = [
         Unit("system", n, stock.entries[n], 0, (stock.entries[n],)) for n in stock.contents.systems
     ]
     # Members of families, NAME@MEMBER, are no entries.
     asked = names or stock.members
     members = {n for n in (*asked, *stock.nodes) if n not in stock.entries}
-    found += [Unit("system", n, stock.entry(n), 0, (stock.entry(n),)) for n in sorted(members)]
-    found += [_relation(stock, r) for r in stock.relations]
-    found += [_square(stock, s, edges) for s in stock.faces]
+    units += [Unit("system", n, stock.entry(n), 0, (stock.entry(n),)) for n in sorted(members)]
+    units += [_relation(stock, r) for r in stock.relations]
+    units += [_square(stock, s, edges) for s in stock.faces]
     if not names:
-        return found
-    return [unit for unit in found if _touches(unit, {*names})]
+        return units
+    return [unit for unit in units if _touches(unit, {*names})]
 
 
 def _touches(unit: Unit, names: set[str]) -> bool:

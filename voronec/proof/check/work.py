@@ -76,11 +76,11 @@ def _relation(unit: Unit, bench: Derivations) -> Work:
 
     relation = unit.entry.load_relations()[0][unit.position]
     entries = {e.name: e for e in unit.system_entries}
-    found = check_relation(relation, lambda name: bench.motions(entries[name]))
+    checked = check_relation(relation, lambda name: bench.motions(entries[name]))
     reasons = _admitted_reasons(unit)
-    own = _finding("relation", unit.name, found.verdict, reasons.get(unit.name, ""))
-    carried = [_claim(c, reasons.get(c.name, ""), "carried ") for c in found.pulled]
-    return [own, *carried], tuple(found.kinds)
+    finding = _finding("relation", unit.name, checked.verdict, reasons.get(unit.name, ""))
+    carried = [_claim(c, reasons.get(c.name, ""), "carried ") for c in checked.pulled]
+    return [finding, *carried], tuple(checked.kinds)
 
 
 def _square(unit: Unit, bench: Derivations) -> Work:
@@ -89,38 +89,38 @@ def _square(unit: Unit, bench: Derivations) -> Work:
     assert unit.square is not None
     relations = [entry.load_relations()[0][position] for entry, position in unit.through]
     entries = {e.name: e for e in unit.system_entries}
-    found = check_square(
+    checked = check_square(
         unit.square.declaration(),
         {r.label: r for r in relations},
         lambda name: bench.motions(entries[name]),
     )
     reason = _admitted_reasons(unit).get(unit.name, "")
-    notes = tuple(", then ".join(limits) for limits in found.limits if limits)
-    return [_finding("square", unit.name, found.verdict, reason)], notes
+    notes = tuple(", then ".join(limits) for limits in checked.limits if limits)
+    return [_finding("square", unit.name, checked.verdict, reason)], notes
 
 
 def _admitted_reasons(unit: Unit) -> dict[str, str]:
     """What the systems of a unit, and the one beside it, list as undecided, with the reasons."""
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for entry in (*unit.system_entries, unit.entry):
         try:
-            found |= entry.load().undecided
+            reasons |= entry.load().undecided
         except DefinitionError:
             continue
-    return found
+    return reasons
 
 
 def _claim(claim: Claim, reason: str, carried: str = "") -> Finding:
     """A claim; one that a relation carries may be admitted where it is decided, for others."""
-    found = _finding(f"{carried}{claim.kind}", claim.name, claim.verdict, reason)
-    if carried and found.stale:
-        found = replace(found, admitted="")
+    finding = _finding(f"{carried}{claim.kind}", claim.name, claim.verdict, reason)
+    if carried and finding.stale:
+        finding = replace(finding, admitted="")
     if claim.broken:
-        return replace(found, status="broken", admitted="")
+        return replace(finding, status="broken", admitted="")
     if claim.printed is None or not claim.printed.refuted:
-        return found
-    remark = "; ".join(filter(None, (found.remark, f"refuted as printed in {claim.source}")))
-    return replace(found, remark=remark)
+        return finding
+    remark = "; ".join(filter(None, (finding.remark, f"refuted as printed in {claim.source}")))
+    return replace(finding, remark=remark)
 
 
 def _finding(kind: str, name: str, verdict: Verdict, reason: str) -> Finding:

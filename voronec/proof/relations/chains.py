@@ -69,8 +69,8 @@ class _Chain:
     def within(self, small: Any, scaled: dict[Any, Any]) -> _Chain:
         """The limit where parameters of the start depend on a small one, which vanishes."""
         rules = moved_hypotheses(self.hypotheses, scaled)
-        found = self.map(lambda e: at_zero(e.xreplace(scaled), rules, small))
-        return replace(found, hypotheses=all_at_zero(rules, small))
+        limit = self.map(lambda e: at_zero(e.xreplace(scaled), rules, small))
+        return replace(limit, hypotheses=all_at_zero(rules, small))
 
 
 def check_square(square: Square, relations: Mapping[str, Relation], motions: Find) -> CheckedSquare:
@@ -142,10 +142,10 @@ def _chain(labels: Sequence[str], relations: Mapping[str, Relation], motions: Fi
         return _compose(labels, [StateMap.of(relations[n], motions) for n in labels], motions)
     except _Gap as gap:
         maps = [StateMap.of(relations[n], motions, "coordinates") for n in labels]
-        for found in maps:
+        for statemap in maps:
             if (
-                found.relation.state is None
-                and not decided_at_limit(complete_velocities(found))[1].proved
+                statemap.relation.state is None
+                and not decided_at_limit(complete_velocities(statemap))[1].proved
             ):
                 raise gap from None
         return _compose(labels, maps, motions)
@@ -158,8 +158,8 @@ class _Gap(EngineLimit):
 def _compose(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) -> _Chain:
     """Maps one after the other, levels fitted by descent where needed."""
     chain = _identity(maps[0].source)
-    for label, found in zip(labels, maps, strict=True):
-        link = _link(complete_velocities(found))
+    for label, statemap in zip(labels, maps, strict=True):
+        link = _link(complete_velocities(statemap))
         if chain.end.system.name != link.start.system.name:
             raise DefinitionError(
                 f"the chain {', '.join(labels)} breaks: it comes to '{chain.end.system.name}', and "
@@ -178,7 +178,7 @@ def _compose(labels: Sequence[str], maps: Sequence[StateMap], motions: Find) -> 
 
 def _link(statemap: StateMap) -> _Chain:
     """One relation, its limit not yet taken; its small parameter bears a name of its own."""
-    found = replace(
+    chain = replace(
         _identity(statemap.source),
         end=statemap.target,
         state=statemap.state,
@@ -186,11 +186,11 @@ def _link(statemap: StateMap) -> _Chain:
         clock=statemap.clock,
     )
     if statemap.small is None:
-        return found
+        return chain
     small = se.Symbol(f"small {statemap.small}")
     named = {statemap.small: small}
     return replace(
-        found.map(lambda e: e.xreplace(named)),
+        chain.map(lambda e: e.xreplace(named)),
         limits=(f"{statemap.relation.label}: {statemap.small} -> 0",),
         small=small,
         scaling={p: e.xreplace(named) for p, e in statemap.scaling.items()},
@@ -199,9 +199,9 @@ def _link(statemap: StateMap) -> _Chain:
 
 def _identity(start: VectorField) -> _Chain:
     state = {x: x for x in (*start.variables, start.time)}
-    own = {p: p for p in start.parameters}
-    own |= {f: f for f in starmap(formal, applications(start).items())}
-    return _Chain(start, start, state, own, se.Integer(1), tuple(start.hypotheses))
+    parameters = {p: p for p in start.parameters}
+    parameters |= {f: f for f in starmap(formal, applications(start).items())}
+    return _Chain(start, start, state, parameters, se.Integer(1), tuple(start.hypotheses))
 
 
 def _descent(motions: Motions) -> _Chain:
@@ -221,19 +221,19 @@ def _then(first: _Chain, second: _Chain) -> _Chain:
     functions = Functions(first.parameters)
     moved = {x: e.xreplace(moving) for x, e in first.state.items()}
     mapping = {**moved, **functions.plain}
-    found = second.map(lambda e: functions.replace(e, mapping))
+    chain = second.map(lambda e: functions.replace(e, mapping))
     rules = moved_hypotheses(first.hypotheses, moving)
-    found = replace(
-        found,
+    chain = replace(
+        chain,
         start=first.start,
-        clock=first.clock.xreplace(moving) * found.clock,
+        clock=first.clock.xreplace(moving) * chain.clock,
         hypotheses=rules,
         limits=first.limits + second.limits,
         family=family if small is None else (*family, (small, moving)),
         small=None,
         scaling={},
     )
-    return found if small is None else found.within(small, {})
+    return chain if small is None else chain.within(small, {})
 
 
 def _limit_parameters(first: _Chain, second: _Chain) -> dict[Any, Any]:
@@ -241,19 +241,19 @@ def _limit_parameters(first: _Chain, second: _Chain) -> dict[Any, Any]:
     small = sp.Symbol(str(second.small))
     values = {str(p): as_expression(e) for p, e in first.parameters.items() if p.is_Symbol}
     scaled = {str(p): as_expression(e) for p, e in second.scaling.items()}
-    own = {str(p): p for p in first.start.parameters}
+    symbols = {str(p): p for p in first.start.parameters}
     ranges = (
         c
         for c in split_hypotheses(first.hypotheses)[1]
-        if {*map(str, c.free_symbols)} <= own.keys()
+        if {*map(str, c.free_symbols)} <= symbols.keys()
     )
     family = carry_back(values, scaled, small, [as_expression(c) for c in ranges])
-    if family is None or not own.keys() >= family.keys():
+    if family is None or not symbols.keys() >= family.keys():
         raise DefinitionError(
             f"the chain that comes to '{second.start.system.name}' fixes a parameter that the "
             f"limit '{second.limits[0]}' moves; leave it out"
         )
-    return {own[name]: se.sympify(value) for name, value in family.items()}
+    return {symbols[name]: se.sympify(value) for name, value in family.items()}
 
 
 def _check_ends(square: Square, first: _Chain, second: _Chain) -> None:

@@ -36,11 +36,11 @@ from voronec.proof.relations.statemap import StateMap, is_period
 
 def check_charts(motions: Motions) -> Iterator[Claim]:
     """A claim of kind ``chart`` for every chart of a system."""
-    own = motions.system
-    for name in own.charts:
+    system = motions.system
+    for name in system.charts:
         begin = clock.perf_counter()
         verdict = verdict_of(partial(_decide, motions, name))
-        seconds, reason = clock.perf_counter() - begin, own.undecided.get(name, "")
+        seconds, reason = clock.perf_counter() - begin, system.undecided.get(name, "")
         yield Claim("chart", name, verdict, "coordinates", seconds, reason=reason)
 
 
@@ -56,16 +56,16 @@ def _decide(motions: Motions, name: str) -> Verdict:
             return replace(same, method=f"double cover: {same.method}")
     home = replace(motions.equations, system=_bare(motions.system))
     known = {home.system.name: Motions(home), there.name: away}
-    own = {p.symbol: p.symbol for p in motions.system.parameters}
+    parameters = {p.symbol: p.symbol for p in motions.system.parameters}
     for function, applied in applications(known[there.name].on_coordinates).items():
         formal = sp.Function(function)(*sp.symbols(f"s1:{len(applied[0].args) + 1}"))
-        own[formal] = formal
+        parameters[formal] = formal
     relation = Relation(
-        home.system.name, there.name, state=chart.values(motions.system), parameters=own
+        home.system.name, there.name, state=chart.values(motions.system), parameters=parameters
     )
-    found = decided_at_limit(StateMap.of(relation, known.__getitem__), beyond=False)[1]
-    found = not_vacuous(found, motions.on_coordinates)
-    return replace(found, modulo=found.modulo or inverse.modulo) if found.proved else found
+    verdict = decided_at_limit(StateMap.of(relation, known.__getitem__), beyond=False)[1]
+    verdict = not_vacuous(verdict, motions.on_coordinates)
+    return replace(verdict, modulo=verdict.modulo or inverse.modulo) if verdict.proved else verdict
 
 
 def _bare(system: System) -> System:
@@ -84,8 +84,8 @@ def _inverse(motions: Motions, chart: Chart) -> Verdict:
     pairs = [(x, field.read(e).xreplace(there) - read[x]) for x, e in back]
     known = (*field.hypotheses, *(f > 0 for f in positive if f.free_symbols))
     turned = _up_to_turns(pairs, angles, field)
-    found = all_zero(turned, known)
-    return replace(found, modulo="2*pi") if len(turned) > len(pairs) else found
+    verdict = all_zero(turned, known)
+    return replace(verdict, modulo="2*pi") if len(turned) > len(pairs) else verdict
 
 
 def _same_state(
@@ -106,11 +106,11 @@ def _up_to_turns(
     """What must vanish where differences do, those of angles of a field up to whole turns."""
     residuals = []
     for x, difference in pairs:
-        label, own, off = plain_name(x), field.bridge.inward(x), angles.resolve(difference)
+        label, variable, off = plain_name(x), field.bridge.inward(x), angles.resolve(difference)
         turns = (
             bool(off.atoms(se.atan2))
-            and own in field.positions
-            and is_period(field.entries, field.relations, own, 2 * se.pi)
+            and variable in field.positions
+            and is_period(field.entries, field.relations, variable, 2 * se.pi)
         )
         if turns:
             residuals += [

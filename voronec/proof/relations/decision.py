@@ -347,8 +347,8 @@ def complete_velocities(statemap: StateMap) -> StateMap:
         for q, dot in zip(target.positions, target.dots, strict=True)
     }
     partial = replace(statemap, state={**statemap.state, **dots})
-    found = {v: partial.pull_back(target.definitions[v]) for v in missing}
-    return replace(statemap, state={**statemap.state, **found})
+    velocities = {v: partial.pull_back(target.definitions[v]) for v in missing}
+    return replace(statemap, state={**statemap.state, **velocities})
 
 
 Matrix = list[list[Any]]
@@ -505,8 +505,8 @@ def _defects(statemap: StateMap, equation: Equation) -> Iterator[Any]:
 def _is_measured(statemap: StateMap, measure: Measure) -> bool:
     """Whether states correspond one to one, and the density is one in the mapped variables."""
     target = statemap.target
-    own = (*target.system.coordinates, *target.system.velocities)
-    given = {str(v) for v in measure.variables or map(plain_name, own)}
+    variables = (*target.system.coordinates, *target.system.velocities)
+    given = {str(v) for v in measure.variables or map(plain_name, variables)}
     if given != {str(x) for x in target.variables} or not corresponds(statemap):
         return False
     return _is_mapped(statemap, measure.density) and _has_plain_clock(statemap)
@@ -631,8 +631,8 @@ def _is_special(statemap: StateMap) -> bool:
 def foreign(statemap: StateMap, symbol: Any, value: Any) -> list[Any]:
     """What the value of a parameter or a function holds of the state and the time of the source."""
     arguments = () if symbol.is_Symbol else symbol.args
-    own = {*arguments, *statemap.source.parameters, statemap.small}
-    return sorted(value.free_symbols - own, key=str)
+    allowed = {*arguments, *statemap.source.parameters, statemap.small}
+    return sorted(value.free_symbols - allowed, key=str)
 
 
 def _moving_parameters(statemap: StateMap) -> Iterator[tuple[str, Any]]:
@@ -687,10 +687,10 @@ def _is_spanned(
     """Whether a differential is a combination of those of functions and of the relations."""
     rows = [[f.diff(x) for f in (*functions, *statemap.relations)] for x in variables]
     if not rows[0]:
-        found = all_zero((("", e) for e in part), statemap.hypotheses)
-        if found.undecided:
-            raise EngineLimit(found.method)
-        return found.proved
+        verdict = all_zero((("", e) for e in part), statemap.hypotheses)
+        if verdict.undecided:
+            raise EngineLimit(verdict.method)
+        return verdict.proved
     solved = solve_linear(rows, [[e] for e in part], statemap.hypotheses)
     return not solved.contradictory
 

@@ -35,8 +35,8 @@ class _Parallel:
         links = networkx.Graph()
         links.add_nodes_from(members)
         links.add_edges_from((a, b) for a, b in edges if a in links and b in links)
-        found = (sorted(c, key=_by_length) for c in networkx.connected_components(links))
-        return sorted(found, key=lambda c: _by_length(c[0]))
+        components = (sorted(c, key=_by_length) for c in networkx.connected_components(links))
+        return sorted(components, key=lambda c: _by_length(c[0]))
 
     def is_agreed(self, one: Labels, other: Labels) -> bool:
         """Whether two chains agree, in the limits of both."""
@@ -82,23 +82,23 @@ def _between(
     graph: Any, ends: Ends, parallel: dict[Ends, _Parallel], declared: Sequence[Square]
 ) -> Iterator[Square]:
     """Squares between the classes of chains, for each set of limits that two of them have."""
-    own = parallel[ends]
-    if len(own.courses) < 2:
+    bundle = parallel[ends]
+    if len(bundle.courses) < 2:
         return
     for square in declared:
-        if square.first in own.courses and square.second in own.courses:
-            (own.up_to if square.up_to else own.agree).append((square.first, square.second))
+        if square.first in bundle.courses and square.second in bundle.courses:
+            (bundle.up_to if square.up_to else bundle.agree).append((square.first, square.second))
     turns = {key: (a, b) for a, b, key in graph.edges(keys=True)}
-    for one, other in combinations(own.courses, 2):
+    for one, other in combinations(bundle.courses, 2):
         first, last = turns[one[0]][1], turns[one[-1]][0]
         tails = one[0] == other[0] and _agree(parallel, (first, ends[1]), one[1:], other[1:])
         heads = one[-1] == other[-1] and _agree(parallel, (ends[0], last), one[:-1], other[:-1])
         if tails or heads:
-            own.agree.append((one, other))
-    for moved in _joint_limits([*own.courses.values()]):
-        main, *others = own.classes(own.within(moved), [*own.agree, *own.up_to])
+            bundle.agree.append((one, other))
+    for moved in _joint_limits([*bundle.courses.values()]):
+        main, *others = bundle.classes(bundle.within(moved), [*bundle.agree, *bundle.up_to])
         for chains in others:
-            own.agree.append((chains[0], main[0]))
+            bundle.agree.append((chains[0], main[0]))
             yield Square(chains[0], main[0])
 
 
@@ -108,13 +108,13 @@ def _agree(parallel: dict[Ends, _Parallel], ends: Ends, one: Labels, other: Labe
 
 def _joint_limits(courses: Sequence[Course]) -> list[dict[str, Any]]:
     """The limits of one chain or of two, the fewest first, each once."""
-    found: dict[Any, dict[str, Any]] = {}
+    limits: dict[Any, dict[str, Any]] = {}
     for one in courses:
         for other in courses:
             if one.is_compatible(other):
                 joint = {**one.limits, **other.limits}
-                found[frozenset(joint.items())] = joint
-    return sorted(found.values(), key=lambda m: (len(m), sorted(map(str, m.items()))))
+                limits[frozenset(joint.items())] = joint
+    return sorted(limits.values(), key=lambda m: (len(m), sorted(map(str, m.items()))))
 
 
 def _by_length(chain: Labels) -> tuple[int, Labels]:
@@ -179,8 +179,8 @@ def squares_of(graph: Any, declared: Sequence[Square] = ()) -> list[Square]:
         return [*declared, *_missing_squares(plain, declared)]
     known = {_pair(s) for s in declared}
     relations = {key: data["relation"] for _, _, key, data in edges}
-    found = {_pair(s): s for s in (*_disjoint_chains(plain), *_circles(plain))}
-    meant = (s for s in found.values() if _has_meaning(s, relations))
+    squares = {_pair(s): s for s in (*_disjoint_chains(plain), *_circles(plain))}
+    meant = (s for s in squares.values() if _has_meaning(s, relations))
     return [*declared, *(s for s in meant if _pair(s) not in known)]
 
 

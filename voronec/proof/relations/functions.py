@@ -53,15 +53,15 @@ class Functions:
     def _open(self) -> dict[str, tuple[tuple[Any, ...], Any]]:
         """Formal arguments and values of functions by name, with the source's symbols under names
         that nobody else has."""
-        found = {}
+        opened = {}
         for function, value in self.values.items():
             if isinstance(function, se.Symbol):
                 continue
             foreign = value.free_symbols - function.free_symbols
             marked = {s: se.Symbol(f"source {s.name}") for s in foreign}
-            found[function.get_name()] = (function.args, value.xreplace(marked))
+            opened[function.get_name()] = (function.args, value.xreplace(marked))
             self._names.update({mark: s for s, mark in marked.items()})
-        return found
+        return opened
 
     @cached_property
     def _names(self) -> dict[Any, Any]:
@@ -122,10 +122,10 @@ def substitute(
     wanted = set(mapping)
 
     def put(node: Any) -> Any:
-        found = known.get(node)
-        if found is None:
-            found = known[node] = rebuilt(node) if node.free_symbols & wanted else node
-        return found
+        image = known.get(node)
+        if image is None:
+            image = known[node] = rebuilt(node) if node.free_symbols & wanted else node
+        return image
 
     def rebuilt(node: Any) -> Any:
         arguments = [put(a) for a in node.args]

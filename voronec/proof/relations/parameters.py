@@ -45,21 +45,21 @@ def read_parameters(
             f"relation '{relation.label}' leaves the parameter '{missing[0]}' of "
             f"'{target.system.name}' unmapped; add it to parameters="
         )
-    found = {s: reader.read(given[name], f"'{name}'") for name, s in symbols.items()}
+    values = {s: reader.read(given[name], f"'{name}'") for name, s in symbols.items()}
     for name, applied in functions.items():
         function = formal(name, applied)
         names = _arguments(relation, name, applied)
         formals = dict(zip(names, function.args, strict=True))
-        found[function] = reader.read(given[name], f"'{name}'", formals)
-    return found
+        values[function] = reader.read(given[name], f"'{name}'", formals)
+    return values
 
 
 def applications(field: VectorField) -> dict[str, list[Any]]:
     """The unknown functions of a field by name, each with the arguments of which it is taken."""
-    found: dict[str, list[Any]] = {}
+    calls: dict[str, list[Any]] = {}
     for applied in sorted(unknown_functions([*field.entries, *field.relations]), key=str):
-        found.setdefault(applied.get_name(), []).append(applied)
-    return found
+        calls.setdefault(applied.get_name(), []).append(applied)
+    return calls
 
 
 def _arguments(relation: Relation, name: str, applied: list[Any]) -> list[str]:

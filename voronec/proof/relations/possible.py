@@ -26,9 +26,9 @@ def possible_values(statemap: StateMap) -> Verdict:
     """
     target, at = statemap.target, statemap.parameters
     known = (*statemap.relations, *statemap.source_conditions)
-    own = [c for c in target.conditions if c.free_symbols <= at.keys()]
+    conditions = [c for c in target.conditions if c.free_symbols <= at.keys()]
     domain = []
-    for one in (part for group in split_hypotheses(own) for part in group):
+    for one in (part for group in split_hypotheses(conditions) for part in group):
         image = one.xreplace(at)
         if image in known or statemap.small in image.free_symbols:
             continue

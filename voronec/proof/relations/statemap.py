@@ -147,21 +147,21 @@ class StateMap:
     def hypotheses(self) -> tuple[Any, ...]:
         """What vanishes on the states of the source, and what is known of its parameters and of
         the images of the target's."""
-        own = self.source_conditions
+        conditions = self.source_conditions
         images = {**self.state, **{p: v for p, v in self.parameters.items() if p.is_Symbol}}
         mapped = (c for c in self.target.conditions if c.free_symbols <= images.keys())
-        both = (*own, *substituted_conditions(mapped, images))
+        both = (*conditions, *substituted_conditions(mapped, images))
         # a map to values that the target declares impossible is no reason to know anything
-        return self.relations + (both if is_possible(both) else own)
+        return self.relations + (both if is_possible(both) else conditions)
 
     def is_period(self, x: Any, jump: Any) -> bool:
         """Whether the target is the same where a position is so moved; the time is none."""
         target = self.target
-        own = replace(self, state={y: se.Symbol(f"image of {y}") for y in self.state})
-        known = [own.pull_back(r) for r in target.relations]
-        entries = [own.pull_back(e) for e in target.entries]
+        generic = replace(self, state={y: se.Symbol(f"image of {y}") for y in self.state})
+        known = [generic.pull_back(r) for r in target.relations]
+        entries = [generic.pull_back(e) for e in target.entries]
         timed = x == target.time and not any(x in e.free_symbols for e in target.entries)
-        return not timed and is_period(entries, known, own.state[x], jump)
+        return not timed and is_period(entries, known, generic.state[x], jump)
 
     @property
     def is_identity(self) -> bool:
@@ -187,15 +187,15 @@ class _Reader:
         if limit is None:
             return {}
         symbols = {p.name: p.symbol for p in self.source.system.parameters}
-        found = {}
+        scaled = {}
         for key, value in by_name(limit.parameters).items():
             if key not in symbols:
                 raise DefinitionError(
                     f"relation '{self.relation.label}': the limit scales '{key}', which is no "
                     f"parameter of '{self.source.system.name}'" + did_you_mean(key, symbols)
                 )
-            found[self.source.bridge.inward(symbols[key])] = self.source.bridge.inward(value)
-        return found
+            scaled[self.source.bridge.inward(symbols[key])] = self.source.bridge.inward(value)
+        return scaled
 
     def read(self, expr: sp.Expr, place: str, formals: Mapping[str, Any] = NONE) -> Any:
         """An expression in the engine's symbols; ``formals`` are put in for symbols of these
@@ -232,8 +232,10 @@ def _target_level(relation: Relation, source: System, target: System) -> str:
     levels = (["invariants"] if target.invariants else []) + ["coordinates"]
     if relation.state is None:
         for level in levels:
-            own = _variables(source, level) if level == "coordinates" or source.invariants else []
-            if set(_variables(target, level)) <= set(own):
+            available = (
+                _variables(source, level) if level == "coordinates" or source.invariants else []
+            )
+            if set(_variables(target, level)) <= set(available):
                 return level
         raise DefinitionError(
             f"relation '{relation.label}' gives no state, and the variables of '{target.name}' "
@@ -259,12 +261,12 @@ def _state(
     """Every variable of the target; velocities that are not given follow from the positions."""
     known = [*map(str, target.variables), str(target.time)]
     refuse_unknown(relation, "state", given, known, target.system.name)
-    found = {x: reader.read(given[str(x)], f"'{x}'") for x in target.variables if str(x) in given}
-    found[target.time] = reader.read(given.get(str(target.time), time), "the time")
-    missing = [v for v in target.velocities if v not in found]
+    state = {x: reader.read(given[str(x)], f"'{x}'") for x in target.variables if str(x) in given}
+    state[target.time] = reader.read(given.get(str(target.time), time), "the time")
+    missing = [v for v in target.velocities if v not in state]
     if missing and target.level == "invariants":
         raise DefinitionError(
             f"relation '{relation.label}' leaves {', '.join(repr(str(v)) for v in missing)} of "
             f"'{target.system.name}' unmapped; add to state="
         )
-    return found
+    return state

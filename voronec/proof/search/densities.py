@@ -146,14 +146,14 @@ def search_measures(
         field = motions.at(level)
         ansatz = _Ansatz.of(field, factors, exponent * moving, velocities=moving)
         solved, excluded = ansatz.solve(np.random.default_rng(abs(seed)))
-        found = None
+        finding = None
         if solved is not None:
             variables = tuple(map(field.bridge.outward, field.variables))
             density = field.bridge.outward(solved)
             verdict = decide_measure(motions, Measure(density, variables)).verdict
-            found = FoundDensity(density, variables, verdict)
-        last = _result(motions, "invariant measure", ansatz, found, excluded, begin)
-        if found is not None:
+            finding = FoundDensity(density, variables, verdict)
+        last = _result(motions, "invariant measure", ansatz, finding, excluded, begin)
+        if finding is not None:
             break
     assert last is not None
     return last
@@ -187,13 +187,13 @@ def search_reducing_multipliers(
     else:  # with one velocity all are, or none is
         ansatz, excluded = _Ansatz(field, (), (), None, 1, 0), False
         solved = se.Integer(1)
-    found = None
+    finding = None
     if solved is not None:
         multiplier = field.bridge.outward(solved)
         verdict = decide_multiplier(motions, multiplier).verdict
         if not verdict.refuted:
-            found = FoundDensity(multiplier, (), verdict)
-    return _result(motions, "reducing multiplier", ansatz, found, excluded, begin)
+            finding = FoundDensity(multiplier, (), verdict)
+    return _result(motions, "reducing multiplier", ansatz, finding, excluded, begin)
 
 
 def motions_at(system: System | VoronecEquations, at: Mapping[Any, Any]) -> Motions:
@@ -224,8 +224,10 @@ def _result(
 
 def _base(motions: Motions) -> int:
     """How many positions are those of the base: all, where relations bind them."""
-    field, own = motions.on_coordinates, motions.equations.definition
-    return len(field.positions) if own.group is not None or field.relations else own.base
+    field, definition = motions.on_coordinates, motions.equations.definition
+    return (
+        len(field.positions) if definition.group is not None or field.relations else definition.base
+    )
 
 
 def _volume_of_momenta(motions: Motions) -> Any:
@@ -266,7 +268,7 @@ class _Ansatz:
             )  # fmt: skip
         base = len(field.positions) if base is None else base
         moving = {*field.positions[:base], *(field.velocities if velocities else ())}
-        own = [*map(field.read, read_expressions(field.system, given, "factors"))]
+        extra = [*map(field.read, read_expressions(field.system, given, "factors"))]
         count = comb(len(field.variables) + exponent, exponent) if exponent > 0 else 1
         if count > CLASS_LIMIT:
             raise EngineLimit(
@@ -274,9 +276,9 @@ class _Ansatz:
             )
         by_name = field.determinant is not None and weight is None
         named = [determinant(field.mass)] if by_name else []
-        held = [*own, *named, *_factors(field, [] if weight is None else [weight])]
+        held = [*extra, *named, *_factors(field, [] if weight is None else [weight])]
         usable = [f for f in held if (s := f.free_symbols & {*field.variables}) and s <= moving]
-        factors = list(dict.fromkeys(usable))[: FACTORS + len(own)]
+        factors = list(dict.fromkeys(usable))[: FACTORS + len(extra)]
         degrees = range(1, exponent + 1)
         free = field.variables
         terms = [se.Mul(*m) for d in degrees for m in combinations_with_replacement(free, d)]
@@ -296,8 +298,8 @@ class _Ansatz:
             return None, sure
 
         def vector(values: Values) -> Array | None:
-            echelon, found = free_columns(self._table(values)[:, [*pivots, -1]], values.p)
-            return -echelon[:, -1] % values.p if found == [*range(len(pivots))] else None
+            echelon, leading = free_columns(self._table(values)[:, [*pivots, -1]], values.p)
+            return -echelon[:, -1] % values.p if leading == [*range(len(pivots))] else None
 
         powers = lift_vector(vector, len(pivots), probe, rng)
         return self._density(dict(zip(pivots, powers, strict=True))), sure
@@ -368,18 +370,18 @@ def _factors(field: VectorField, more: Sequence[Any]) -> list[Any]:
     minors = [determinant([row[:k] for row in field.mass[:k]]) for k in range(1, size + 1)]
     minors += [row[i] for i, row in enumerate(field.mass)]
     exprs = [*field.entries, *minors, *more]
-    found: dict[Any, None] = {}
+    factors: dict[Any, None] = {}
     for relations in dict.fromkeys((tuple(field.relations), ())):
         ring = ring_over(exprs, relations)
         for g in ring.meaning:
             if g.free_symbols & {*field.variables}:
-                found[g] = None
+                factors[g] = None
         for e in exprs:
             element = ring.fraction(e)
             polys = [element.num, *(f for f, _ in ring.field.factors(element.den))]
             for poly in polys:
                 if poly != 0 and len(poly) <= TERMS:
                     for factor, _ in irreducible_factors(poly)[1]:
-                        found[ring.polynomial(factor)] = None
-    found |= dict.fromkeys(x for x in field.variables)
-    return sorted(found, key=lambda e: (operations([e]), str(e)))
+                        factors[ring.polynomial(factor)] = None
+    factors |= dict.fromkeys(x for x in field.variables)
+    return sorted(factors, key=lambda e: (operations([e]), str(e)))

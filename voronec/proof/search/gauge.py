@@ -131,11 +131,11 @@ def search_gauge_momenta(
     Lagrangian is no function of coordinates and their velocities.
     """
     begin, motions = perf_counter(), motions_at(system, at or {})
-    field, own = motions.on_coordinates, motions.equations.definition
-    if own.group is not None:
+    field, definition = motions.on_coordinates, motions.equations.definition
+    if definition.group is not None:
         raise EngineLimit("gauge momenta are searched where coordinates have velocities")
-    found = search_integrals(motions.equations, degree=1, positions=positions, again=True)
-    linear = [f.expression for f in found.integrals if f.verdict.proved]
+    search = search_integrals(motions.equations, degree=1, positions=positions, again=True)
+    linear = [f.expression for f in search.integrals if f.verdict.proved]
     linear += read_expressions(motions.system, integrals, "integrals")
     symmetries = {f"Y{i + 1}": y for i, y in enumerate(_affine_symmetries(motions, seed))}
     for name, given in (fields or {}).items():
@@ -160,14 +160,14 @@ def search_gauge_momenta(
 def _affine_symmetries(motions: Motions, seed: int) -> list[list[Any]]:
     """A basis of the affine fields B q + b that leave the Lagrangian and the relations as they
     are."""
-    field, own = motions.on_coordinates, motions.equations.definition
-    n, dots = len(own.coordinates), own.coordinate_velocities
+    field, definition = motions.on_coordinates, motions.equations.definition
+    n, dots = len(definition.coordinates), definition.coordinate_velocities
     unit = tuple(tuple(se.Integer(int(i == j)) for j in range(n)) for i in range(n))
     free = replace(
         field, velocities=dots, rates=dots, mass=unit, force=(se.Integer(0),) * n, meaning={}
     )
-    slopes = [r.diff(q) for r in field.relations for q in own.coordinates]
-    probe = Probe(free, free.variables, [own.lagrangian, *slopes])
+    slopes = [r.diff(q) for r in field.relations for q in definition.coordinates]
+    probe = Probe(free, free.variables, [definition.lagrangian, *slopes])
 
     def table(values: Values) -> Array:
         p, points = values.p, values.points
@@ -187,35 +187,35 @@ def _affine_symmetries(motions: Motions, seed: int) -> list[list[Any]]:
 
     # a component that is linear in an angle is no function on the circle
     turning = {
-        x for a in atoms([own.lagrangian, *field.entries], *CIRCULAR) for x in a.free_symbols
+        x for a in atoms([definition.lagrangian, *field.entries], *CIRCULAR) for x in a.free_symbols
     }
-    state = [*own.coordinates, se.Integer(1)]
+    state = [*definition.coordinates, se.Integer(1)]
     allowed = [i for i in range(n * (n + 1)) if state[i % (n + 1)] not in turning]
-    rng, found = np.random.default_rng(abs(seed)), []
+    rng, symmetries = np.random.default_rng(abs(seed)), []
     for entries in lift_kernel(lambda v: table(v)[:, allowed], len(allowed) + SURPLUS, probe, rng):
         y = [se.Integer(0)] * n
         for place, weight in entries.items():
             component, factor = divmod(allowed[place], n + 1)
             y[component] += weight * state[factor]
         if _leaves_lagrangian(motions, y):
-            found.append(y)
-    return found
+            symmetries.append(y)
+    return symmetries
 
 
 def _leaves_lagrangian(motions: Motions, y: Sequence[Any]) -> bool:
     """Whether it is proved that a field on the coordinates leaves Lagrangian and relations as they
     are."""
-    own = motions.equations.definition
-    pairs = [*zip(own.coordinates, own.coordinate_velocities, strict=True)]
+    definition = motions.equations.definition
+    pairs = [*zip(definition.coordinates, definition.coordinate_velocities, strict=True)]
     lifted = [se.Add(*[v * c.diff(q) for q, v in pairs]) for c in y]
     along = [
         se.Add(*[c * r.diff(q) for c, (q, _) in zip(y, pairs, strict=True)])
-        for r in (own.lagrangian, *own.relations)
+        for r in (definition.lagrangian, *definition.relations)
     ]
     along[0] += se.Add(
-        *[c * own.lagrangian.diff(v) for c, (_, v) in zip(lifted, pairs, strict=True)]
+        *[c * definition.lagrangian.diff(v) for c, (_, v) in zip(lifted, pairs, strict=True)]
     )
-    return all_zero([("", e) for e in along], own.relations).proved
+    return all_zero([("", e) for e in along], definition.relations).proved
 
 
 def _gauge_momentum(

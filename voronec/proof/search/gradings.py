@@ -66,9 +66,9 @@ class Gradings:
         best: tuple[int, list[int], Array] | None = None
         rank = int(flint.fmpz_mat(weights.tolist()).rank()) if weights.size else 0
         for chosen in combinations(range(len(parameters)), rank):
-            found = _solve_scalings(table, chosen)
-            if found is not None and (best is None or int(abs(found).sum()) < best[0]):
-                best = (int(abs(found).sum()), list(chosen), found)
+            combined = _solve_scalings(table, chosen)
+            if combined is not None and (best is None or int(abs(combined).sum()) < best[0]):
+                best = (int(abs(combined).sum()), list(chosen), combined)
         if best is None or not rank:
             return [], table[:0, : len(parameters)], table[:0, len(parameters) :]
         return best[1], best[2][:, : len(parameters)], best[2][:, len(parameters) :]
@@ -108,13 +108,13 @@ class Gradings:
             if fractions[rate].num != 0:
                 self._constrain_position(q, self._homogeneous(fractions[rate]) - tau)
         for i, (row, force) in enumerate(zip(field.mass, field.force, strict=True)):
-            own = self._unit(self.generators + 1 + i)
+            common = self._unit(self.generators + 1 + i)
             if fractions[force].num != 0:
-                self.rows.append(self._homogeneous(fractions[force]) - own)
+                self.rows.append(self._homogeneous(fractions[force]) - common)
             for v, entry in zip(field.velocities, row, strict=True):
                 if fractions[entry].num != 0:
                     weight = self._homogeneous(fractions[entry]) + self._unit(self.ring.index(v))
-                    self.rows.append(weight + tau - own)
+                    self.rows.append(weight + tau - common)
 
     def _constrain_position(self, position: Any, weight: Array) -> None:
         """The weight of a position is that of its rate without tau, by symbol and by angle."""
@@ -143,8 +143,8 @@ class Gradings:
         table = np.array(self.rows or [np.zeros(self.size)], dtype=np.int64)
         unique = np.unique(table, axis=0)
         whole = flint.fmpz_mat(unique.tolist())
-        found, count = whole.nullspace()
-        scalings = [[int(found[i, j]) for i in range(self.size)] for j in range(count)]
+        nullspace, count = whole.nullspace()
+        scalings = [[int(nullspace[i, j]) for i in range(self.size)] for j in range(count)]
         signs, _ = kernel(unique % 2, 2)
         return np.array(scalings, dtype=np.int64).reshape(count, self.size), signs
 
@@ -152,11 +152,13 @@ class Gradings:
 def _plain(ring: Ring, moving: set[Any], field: VectorField) -> set[int]:
     """The generators that may change by a factor: what moves, radicals, and sines and cosines of
     positions."""
-    found = {ring.index(x) for x in moving if ring.has(x)} | {g for g, _, _ in ring.field.rules}
+    generators = {ring.index(x) for x in moving if ring.has(x)} | {
+        g for g, _, _ in ring.field.rules
+    }
     for angle, pair in ring.pairs.items():
         if angle in field.positions:
-            found |= {ring.index(x) for x in pair}
-    return found
+            generators |= {ring.index(x) for x in pair}
+    return generators
 
 
 def _with_jets(exprs: Sequence[Any], field: VectorField) -> tuple[Ring, list[Any], list[Any]]:
@@ -187,10 +189,10 @@ def _solve_scalings(table: Array, chosen: Sequence[int]) -> Array | None:
     if any(rows[i][j] != int(i == j) for i in range(rank) for j in range(rank)):
         return None
     factors = flint.fmpq_mat(rank, size, [x for row in rows for x in row[rank:]])
-    found = (factors * flint.fmpq_mat(flint.fmpz_mat(table.tolist()))).tolist()
-    if any(x.q != 1 for row in found for x in row):
+    combined = (factors * flint.fmpq_mat(flint.fmpz_mat(table.tolist()))).tolist()
+    if any(x.q != 1 for row in combined for x in row):
         return None
-    return np.array([[int(x.p) for x in row] for row in found], dtype=np.int64)
+    return np.array([[int(x.p) for x in row] for row in combined], dtype=np.int64)
 
 
 def _unknown(expr: Any) -> bool:

@@ -39,25 +39,25 @@ class Independence:
     ) -> Independence:
         """Of expressions where relations vanish; ``ambiguous`` are what roots are taken of that may
         be squares."""
-        found = Generators()
-        found.scan([*exprs, *relations])
-        found.settle()
+        generators = Generators()
+        generators.scan([*exprs, *relations])
+        generators.settle()
         bound = {s for r in relations for s in r.free_symbols}
-        atoms = [a for a in found.atoms if not isinstance(a, se.Symbol)]
+        atoms = [a for a in generators.atoms if not isinstance(a, se.Symbol)]
         unknown = [a for a in atoms if is_atom(a)]
         numbers = [a for a in atoms if not is_atom(a) and not a.free_symbols]
         other = [a for a in atoms if not is_atom(a) and a.free_symbols]
         doubtful = _doubtful_functions(unknown, bound)
         held = [*other, *doubtful]
-        powers = [_Power(se.Integer(0), a) for a in found.angles]
-        powers += [_Power(b, e) for b, e in found.units]
+        powers = [_Power(se.Integer(0), a) for a in generators.angles]
+        powers += [_Power(b, e) for b, e in generators.units]
         # One of the numbers pi, log 2, ... is transcendental; of two nobody knows.
         constant = [p for p in powers if not p.symbols]
         held += numbers if len(numbers) + len(constant) > 1 else []
         moving = [p for p in powers if p.symbols]
         held += [p.function for p in _uncertain_powers(moving, held, relations)]
         held += [p.function for p in constant] if len(numbers) + len(constant) > 1 else []
-        roots = {b: se.Pow(b, 1 / se.Integer(q)) for b, q in found.radicals.items()}
+        roots = {b: se.Pow(b, 1 / se.Integer(q)) for b, q in generators.radicals.items()}
         held += [roots[b] for b in ambiguous if b in roots]
         return cls(tuple(held), tuple(dict.fromkeys(map(_application, unknown))))
 
@@ -123,8 +123,8 @@ def _uncertain_powers(
     taken = {s for e in held for s in e.free_symbols} | bound
     while True:
         count = {s: sum(s in p.symbols for p in powers) for p in powers for s in p.symbols}
-        own = {s for s, n in count.items() if n == 1} - taken
-        rest = [p for p in powers if not any(p.grows_with(s, relations) for s in p.symbols & own)]
+        lone = {s for s, n in count.items() if n == 1} - taken
+        rest = [p for p in powers if not any(p.grows_with(s, relations) for s in p.symbols & lone)]
         if len(rest) == len(powers):
             break
         powers = rest

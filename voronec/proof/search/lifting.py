@@ -127,9 +127,9 @@ def _from_primes(
                 for old, new in zip(residues, vectors, strict=True)
             ]
         modulus *= p
-        found = _fractions(residues, shapes, modulus)
-        if found is not None and _agree(found, sample, variables, rng, primes[-1]):
-            return found
+        entries = _fractions(residues, shapes, modulus)
+        if entries is not None and _agree(entries, sample, variables, rng, primes[-1]):
+            return entries
     raise EngineLimit("the numbers in an integral are too large to be recovered")
 
 
@@ -173,19 +173,19 @@ def _powers(points: Array, monomials: Sequence[Monomial], p: int) -> Array:
 def _fractions(
     residues: Sequence[Sequence[int]], shapes: Sequence[Any], modulus: int
 ) -> list[RationalEntry] | None:
-    found = []
+    entries = []
     for vector, (above, below) in zip(residues, shapes, strict=True):
         numbers = [fraction_of(int(r), modulus) for r in vector]
         if any(n is None for n in numbers):
             return None
         exact = [flint.fmpq(*n) for n in numbers if n is not None]
-        found.append(
+        entries.append(
             RationalEntry(
                 dict(zip(above, exact[: len(above)], strict=True)),
                 dict(zip(below, exact[len(above) :], strict=True)),
             )
         )
-    return found
+    return entries
 
 
 def _agree(
@@ -256,10 +256,10 @@ class Normalization:
 
 
 def _raise_power(monomial: Monomial, places: Iterable[int], by: Iterable[Any]) -> Monomial:
-    found = list(monomial)
+    raised = list(monomial)
     for i, e in zip(places, by, strict=True):
-        found[i] += int(e)
-    return tuple(found)
+        raised[i] += int(e)
+    return tuple(raised)
 
 
 def coefficients(
@@ -274,10 +274,12 @@ def coefficients(
         whole[:, left] = points
         return _sample_coefficients(candidate, probe, whole, p, rng)
 
-    found = rational_functions(sample, len(left), rng, probe.primes)
+    entries = rational_functions(sample, len(left), rng, probe.primes)
     weights = candidate.exponents @ normalization.letters.T
     shifts = weights[candidate.free][None, :] - weights
-    whole = [normalization.undone(q, shift, count) for q, shift in zip(found, shifts, strict=True)]
+    whole = [
+        normalization.undone(q, shift, count) for q, shift in zip(entries, shifts, strict=True)
+    ]
     return _polynomial(whole, probe.constants)
 
 
@@ -291,10 +293,10 @@ def lift_vector(
         columns = []
         for start in range(0, len(settings), BATCH):
             for values in probe.at(settings[start : start + BATCH], size + SPARE, p, rng):
-                found = None if values is None else vector(values)
-                if found is None:
+                column = None if values is None else vector(values)
+                if column is None:
                     raise EngineLimit("what was found modulo a prime does not hold in general")
-                columns.append(found)
+                columns.append(column)
         return np.array(columns, dtype=np.int64).reshape(len(settings), size).T
 
     p = probe.primes[0]
@@ -302,8 +304,8 @@ def lift_vector(
     numbers = [fraction_of(int(r), p) for r in first[:, 0]]
     if (first[:, 0] == first[:, 1]).all() and None not in numbers:
         return [se.Integer(n[0]) / n[1] for n in numbers if n is not None]
-    found = rational_functions(sample, len(probe.constants), rng, probe.primes)
-    return shortest([_expression(q, probe.constants) for q in found])
+    entries = rational_functions(sample, len(probe.constants), rng, probe.primes)
+    return shortest([_expression(q, probe.constants) for q in entries])
 
 
 def _expression(quotient: RationalEntry, constants: Sequence[Any]) -> Any:
@@ -324,8 +326,8 @@ def lift_kernel(
         support = [int(i) for i in np.flatnonzero(vector) if i != place]
 
         def solve(values: Values, support: Sequence[int] = support, place: int = place) -> Any:
-            found, last = kernel(table(values)[:, [*support, place]], values.p)
-            return found[0][:-1] if last == [len(support)] else None
+            vectors, last = kernel(table(values)[:, [*support, place]], values.p)
+            return vectors[0][:-1] if last == [len(support)] else None
 
         weights = lift_vector(solve, len(support), probe, rng) if support else []
         yield {place: se.Integer(1), **dict(zip(support, weights, strict=True))}
@@ -352,9 +354,9 @@ def _normalized_vector(rates: Array, free: int, p: int) -> Array:
     vectors, last = kernel(rates[:, [*others, free]], p)
     if last != [len(others)]:
         raise EngineLimit("an integral found modulo a prime is not one for all parameters")
-    found = np.zeros(rates.shape[1], dtype=np.int64)
-    found[[*others, free]] = vectors[0]
-    return found
+    vector = np.zeros(rates.shape[1], dtype=np.int64)
+    vector[[*others, free]] = vectors[0]
+    return vector
 
 
 def _polynomial(quotients: list[RationalEntry], constants: list[Any]) -> list[Any]:
@@ -439,12 +441,12 @@ def combine(values: Array, vector: Array, p: int) -> Array:
 
 def products(known: Sequence[KnownFunction], degree: int, positions: int) -> list[tuple[int, ...]]:
     """Exponents of the products of known integrals within the degrees, 1 first."""
-    found = []
+    exponents = []
     for row in _within(known, degree, positions):
-        found.append(row)
-        if len(found) == PRODUCT_LIMIT:
+        exponents.append(row)
+        if len(exponents) == PRODUCT_LIMIT:
             break
-    return found
+    return exponents
 
 
 def _within(

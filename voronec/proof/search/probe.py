@@ -137,13 +137,13 @@ class Variety:
         for poly in groebner_basis(moved, context):
             highest = next(i for i, d in enumerate(poly.degrees()) if d)
             leading.setdefault(highest, []).append(poly)
-        found = []
+        solved = []
         for i in sorted(leading, reverse=True):
             power, _, poly = min((int(f.degrees()[i]), k, f) for k, f in enumerate(leading[i]))
             if order[i] in self.fixed or power > 2:
                 raise EngineLimit("the relations are not solved by square roots alone")
-            found.append(_Bound(order[i], self._by_power(poly, i, order)))
-        return found
+            solved.append(_Bound(order[i], self._by_power(poly, i, order)))
+        return solved
 
     def _by_power(self, poly: Any, top: int, order: Sequence[int]) -> dict[int, Any]:
         parts: dict[int, Any] = {}
@@ -180,9 +180,9 @@ class Variety:
             or [np.zeros(0, dtype=np.int64)]
         )
         values = [v[keep] for v in values]
-        found, sound = self._evaluate(values, p)
+        table, sound = self._evaluate(values, p)
         whole = sound.reshape(int(enough.sum()), count).all(axis=1)
-        shaped = found.reshape(len(found), int(enough.sum()), count)[:, whole]
+        shaped = table.reshape(len(table), int(enough.sum()), count)[:, whole]
         enough[enough] = whole
         return shaped, enough
 
@@ -207,8 +207,8 @@ class Variety:
             self._solve(b, values, alive, p)
         for generator, degree, _ in reversed(self.rules):  # inner radicals before outer ones
             value = self._polynomial(self._rules[generator][1], values, p)
-            found, exists = root(value, degree, p)
-            values[generator] = found
+            radical, exists = root(value, degree, p)
+            values[generator] = radical
             if genuine is not None and (alive & ~exists).any():
                 genuine.add(generator)
             alive &= exists
@@ -227,9 +227,9 @@ class Variety:
             alive &= d != 0
             values[b.generator] = -c * inverse(d, p) % p
             return
-        found, exists = root((d * d - 4 * a % p * c) % p, 2, p)
+        radical, exists = root((d * d - 4 * a % p * c) % p, 2, p)
         alive &= exists & (a != 0)
-        values[b.generator] = (found - d) % p * inverse(2 * a % p, p) % p
+        values[b.generator] = (radical - d) % p * inverse(2 * a % p, p) % p
 
     def _polynomial(self, poly: Any, values: Sequence[Any], p: int) -> Array:
         length = next(len(v) for v in values if v is not None)
@@ -261,9 +261,9 @@ class Variety:
             for factor, power in self.denominators(i):
                 key = str(factor)
                 if key not in below:
-                    found = self._polynomial(factor, values, p)
-                    sound &= found != 0
-                    below[key] = inverse(found, p)
+                    divisor = self._polynomial(factor, values, p)
+                    sound &= divisor != 0
+                    below[key] = inverse(divisor, p)
                 for _ in range(power):
                     value = value * below[key] % p
             rows.append(value)
@@ -344,11 +344,11 @@ class Probe:
         functions = [*letters, *known, *field.relations]
         slopes = [f.diff(x) for f in functions for x in variables]
         dynamics = field.entries
-        own = [*letters, *(f.diff(x) for f in letters for x in variables), *dynamics]
+        searched = [*letters, *(f.diff(x) for f in letters for x in variables), *dynamics]
         present: set[Any] = set().union(*(e.free_symbols for e in (*functions, *dynamics)))
         parameters = [s for s in field.parameters if s in present]
         self.variety = Variety([*functions, *slopes, *dynamics], field.relations, parameters)
-        self.functions, self._searched = len(functions), own
+        self.functions, self._searched = len(functions), searched
         if any(f.diff(field.time) != 0 for f in functions):
             raise EngineLimit("an ansatz that holds the time is not searched")
 
@@ -362,15 +362,15 @@ class Probe:
         ring, field = self.variety.ring, self.field
         moving = {ring.index(v) for v in field.velocities if ring.has(v)}
         still = set(range(self.variety.size)) - moving - self.variety.fixed
-        found = []
+        degrees = []
         for i in range(self.count, self.count + self.known):
             above = self.variety.fractions[i].num
             parts = [_degree(above, moving), _degree(above, still)]
             for factor, power in self.variety.denominators(i):
                 parts[0] -= power * _degree(factor, moving)
                 parts[1] -= power * _degree(factor, still)
-            found.append((parts[0], parts[1]))
-        return found
+            degrees.append((parts[0], parts[1]))
+        return degrees
 
     def settings(self, number: int, p: int, rng: Any) -> Array:
         """Random values of the parameters."""
@@ -380,13 +380,13 @@ class Probe:
         """Values at ``count`` points for each setting of the parameters; None where there are no
         points."""
         drawn, enough = self.variety.draw(parameters, count, p, rng)
-        found: list[Values | None] = [None] * len(parameters)
+        samples: list[Values | None] = [None] * len(parameters)
         motion, regular = self._motion(drawn, p)
         regular &= (drawn[: self.count] != 0).all(axis=(0, 2))
         for s, i in enumerate(np.flatnonzero(enough)):
             if regular[s]:
-                found[i] = self._values(drawn[:, s], motion[:, s], parameters[i], p)
-        return found
+                samples[i] = self._values(drawn[:, s], motion[:, s], parameters[i], p)
+        return samples
 
     @cached_property
     def primes(self) -> tuple[int, ...]:
@@ -402,9 +402,9 @@ class Probe:
         """Values for some random setting, modulo the first prime that has some."""
         for p in self.primes:
             for _ in range(TRIES):
-                (found,) = self.at(self.settings(1, p, rng), count, p, rng)
-                if found is not None:
-                    return found
+                (sample,) = self.at(self.settings(1, p, rng), count, p, rng)
+                if sample is not None:
+                    return sample
         why = "no points were found at which to test an ansatz"
         if not self.primes:
             why += ": no prime was found modulo which all roots of numbers exist; give other values"

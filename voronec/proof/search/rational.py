@@ -183,8 +183,8 @@ def _numbers(motions: Motions, at: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
     system, field = motions.system, motions.field_for(())
     held = {s for e in (*field.entries, *field.relations) for s in e.free_symbols}
     given = parameter_values(system, at)
-    own = {p.symbol: as_expression(p.value) for p in system.parameters if p.value is not None}
-    exact = {s: sp.Rational(v) if v.is_Float else v for s, v in own.items() if s not in given}
+    declared = {p.symbol: as_expression(p.value) for p in system.parameters if p.value is not None}
+    exact = {s: sp.Rational(v) if v.is_Float else v for s, v in declared.items() if s not in given}
     values = exact | {s: v.xreplace(exact) for s, v in given.items()}
     needed = [p for p in system.parameters if field.bridge.inward(p.symbol) in held]
     for p in needed:
@@ -252,11 +252,11 @@ class _Polynomials:
 
     def coefficients(self, p: int) -> Array:
         """(polynomial, node), modulo p."""
-        found = np.zeros((len(self.rows), len(self.nodes)), dtype=np.int64)
-        for line, row in zip(found, self.rows, strict=True):
+        table = np.zeros((len(self.rows), len(self.nodes)), dtype=np.int64)
+        for line, row in zip(table, self.rows, strict=True):
             for monomial, coefficient in row.items():
                 line[self.nodes[monomial]] = as_residue(coefficient, p)
-        return found
+        return table
 
     def values(self, points: Array, p: int) -> Array:
         """(polynomial, point) from (generator, point)."""
@@ -266,8 +266,8 @@ class _Polynomials:
             for node, a, b in level:
                 at[node] = at[a] * at[b] % p
         rows = self.coefficients(p)
-        found = [(row[:, None] * at % p).sum(axis=0) % p for row in rows]
-        return np.array(found, dtype=np.int64).reshape(len(rows), points.shape[1])
+        sums = [(row[:, None] * at % p).sum(axis=0) % p for row in rows]
+        return np.array(sums, dtype=np.int64).reshape(len(rows), points.shape[1])
 
 
 class RationalFlow:
@@ -279,14 +279,14 @@ class RationalFlow:
         if field.time in held:
             raise EngineLimit("equations that hold the time have no rank test")
         free = [q for q in field.positions if q not in held]
-        found = Ring([*field.entries, *field.relations, *field.velocities, *free])
-        own = {*field.variables, *(g for pair in found.pairs.values() for g in pair)}
-        for foreign in (e for e in found.meaning if e not in own):
+        state_ring = Ring([*field.entries, *field.relations, *field.velocities, *free])
+        allowed = {*field.variables, *(g for pair in state_ring.pairs.values() for g in pair)}
+        for foreign in (e for e in state_ring.meaning if e not in allowed):
             raise EngineLimit(
                 f"the equations hold '{quote(field.bridge.outward(foreign))}'; the rank test takes "
                 "rational ones, in coordinates, cosines and sines"
             )
-        self.field, self.pairs, self.generators = field, found.pairs, list(found.meaning)
+        self.field, self.pairs, self.generators = field, state_ring.pairs, list(state_ring.meaning)
         self.place = {g: i for i, g in enumerate(self.generators)}
         slopes = [se.Symbol(f"slope {i}") for i in range(len(self.generators))]
         moved = [slopes[self.place[v]] for v in field.velocities]
@@ -385,8 +385,8 @@ class _LetterFunctions:
         cls, field: VectorField, flow: RationalFlow, known: Mapping[str, Any], momenta: bool
     ) -> _LetterFunctions:
         ring, moving = flow.ring, [*field.velocities]
-        own = (g for q in field.positions for g in (q, *flow.pairs.get(q, ())))
-        still = [g for g in own if g in flow.place]
+        generators = (g for q in field.positions for g in (q, *flow.pairs.get(q, ())))
+        still = [g for g in generators if g in flow.place]
         functions, solved = moving, dict[Any, Any]()
         names = [str(field.bridge.outward(g)) for g in [*still, *moving]]
         if momenta:
@@ -401,30 +401,30 @@ class _LetterFunctions:
         order = [*still, *moving]
         integrals = {n: quotient(f.xreplace(solved), field.relations) for n, f in known.items()}
         relations = [*field.relations, *(c**2 + s**2 - 1 for c, s in flow.pairs.values())]
-        found = {}
+        usable = {}
         for name, pair in integrals.items():
             polynomials = _in_letters(order, pair)
             if polynomials is not None:
                 degree = max(int(f.total_degree()) for f in polynomials)
-                found[name] = (_Polynomials.of(len(order), polynomials), degree)
+                usable[name] = (_Polynomials.of(len(order), polynomials), degree)
         bound = _in_letters(order, relations)
         if bound is None:
             raise EngineLimit("the relations are no polynomials in the letters of the rank test")
-        return cls(flow, tuple(names), read, found, _leading_monomials(bound))
+        return cls(flow, tuple(names), read, usable, _leading_monomials(bound))
 
     def primes(self) -> list[int]:
         """Primes that divide no denominator."""
-        found = []
-        own = (k for k, _ in self.known.values())
-        programs = [*self.flow.programs, self.functions, *own]
+        suitable = []
+        integrals = (k for k, _ in self.known.values())
+        programs = [*self.flow.programs, self.functions, *integrals]
         for p in PRIMES:
             try:
                 for program in programs:
                     program.coefficients(p)
             except ZeroDivisionError:
                 continue
-            found.append(p)
-        return found
+            suitable.append(p)
+        return suitable
 
     def monomials(self, degree: int) -> Array:
         """Exponents up to a degree, without multiples of leading monomials; low degrees first."""
@@ -445,9 +445,9 @@ class _LetterFunctions:
 
     def values(self, states: Array, p: int) -> Array:
         """The letters at states, (letter, state)."""
-        found = self.flow.values(self.functions, states, p)
+        table = self.flow.values(self.functions, states, p)
         size = len(self.names)
-        return found[:size] * inverse(found[size:], p) % p
+        return table[:size] * inverse(table[size:], p) % p
 
     def rank_along_orbit(self, exponents: Array, length: int, p: int, rng: Any) -> int:
         """How many of the monomials are independent along one orbit, by series of a length."""
@@ -466,10 +466,10 @@ class _LetterFunctions:
             return 0
         parts = zip(sums[:size], sums[size:], strict=True)
         letters = [a.mul_low(b.inverse_series_trunc(length), length) for a, b in parts]
-        found = [flint.nmod_poly([1], p)] * len(exponents)
+        monomials = [flint.nmod_poly([1], p)] * len(exponents)
         for i, parent, letter in _steps(exponents):
-            found[i] = found[parent].mul_low(letters[letter], length)
-        rows = [[*poly.coeffs(), *([0] * length)][:length] for poly in found]
+            monomials[i] = monomials[parent].mul_low(letters[letter], length)
+        rows = [[*poly.coeffs(), *([0] * length)][:length] for poly in monomials]
         return _rank(rows, p)
 
     def rank_of_multiples(self, exponents: Array, degree: int, p: int, rng: Any) -> int:
@@ -506,7 +506,7 @@ def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
     context = flint.fmpq_mpoly_ctx.get([f"x{i}" for i in range(len(order))], "degrevlex")
     ring = Ring([*(e.xreplace(renamed) for e in exprs), *symbols])
     places = [ring.index(x) for x in symbols]
-    found = []
+    polynomials = []
     for e in exprs:
         element, terms = ring.fraction(e.xreplace(renamed)), {}
         for monomial, c in element.num.to_dict().items():
@@ -515,8 +515,8 @@ def _in_letters(order: Sequence[Any], exprs: Sequence[Any]) -> list[Any] | None:
                 return None
         if element.den:
             return None
-        found.append(context.from_dict(terms))
-    return found
+        polynomials.append(context.from_dict(terms))
+    return polynomials
 
 
 def _leading_monomials(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
@@ -529,10 +529,10 @@ def _leading_monomials(relations: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
 
 def _products(exponents: Array, letters: Array, p: int) -> Array:
     """The values of monomials, (monomial, point); each is a letter times one before it."""
-    found = np.ones((len(exponents), letters.shape[1]), dtype=np.int64)
+    monomials = np.ones((len(exponents), letters.shape[1]), dtype=np.int64)
     for i, parent, letter in _steps(exponents):
-        found[i] = found[parent] * letters[letter] % p
-    return found
+        monomials[i] = monomials[parent] * letters[letter] % p
+    return monomials
 
 
 def _steps(exponents: Array) -> Iterator[tuple[int, int, int]]:

@@ -61,8 +61,8 @@ def free_columns(matrix: Array, p: int) -> tuple[Array, list[int]]:
     rows, columns = matrix.shape
     if not rows or not columns:
         return np.zeros((0, columns), dtype=np.int64), []
-    found, rank = flint.nmod_mat(rows, columns, matrix.ravel().tolist(), p).rref()
-    entries = found.tolist()[:rank]
+    reduced, rank = flint.nmod_mat(rows, columns, matrix.ravel().tolist(), p).rref()
+    entries = reduced.tolist()[:rank]
     echelon = np.array([[int(x) for x in row] for row in entries], dtype=np.int64)
     echelon = echelon.reshape(rank, columns)
     return echelon, [int(np.flatnonzero(row)[0]) for row in echelon]

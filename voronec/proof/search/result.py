@@ -30,9 +30,9 @@ class FoundIntegral:
     @property
     def standing(self) -> str:
         """The verdict in words, with its period and its domain, or why there is no proof."""
-        found = self.verdict
-        words = " ".join(filter(None, (found.status, found.limits)))
-        return words if found.proved else f"{words}: {found.method}"
+        verdict = self.verdict
+        words = " ".join(filter(None, (verdict.status, verdict.limits)))
+        return words if verdict.proved else f"{words}: {verdict.method}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,8 +74,8 @@ class IntegralSearch:
 
     def _repr_html_(self) -> str:
         """For notebooks: what was found, and what is proved."""
-        found = [(f.name, f"${latex_of(f.short, ())}$: {f.standing}") for f in self.integrals]
-        rows = [("form", self.form), *found, ("statement", self.statement)]
+        lines = [(f.name, f"${latex_of(f.short, ())}$: {f.standing}") for f in self.integrals]
+        rows = [("form", self.form), *lines, ("statement", self.statement)]
         return html_table(f"first integrals of {self.system}", rows)
 
     @property
@@ -137,8 +137,8 @@ class IntegralSearch:
         told = plain_data(self)
         for inner in ("parameters", "classes", "examined"):
             del told[inner]
-        for found, integral in zip(self.integrals, told["integrals"], strict=True):
-            integral |= {"verdict": found.verdict.status, "limits": found.verdict.limits}
+        for original, integral in zip(self.integrals, told["integrals"], strict=True):
+            integral |= {"verdict": original.verdict.status, "limits": original.verdict.limits}
         return {**told, "complete": self.complete, "statement": self.statement}
 
 

@@ -281,11 +281,11 @@ def _classes(question: SearchProblem, limit: int) -> list[Array]:
 def _proof(mechanics: VectorField, function: Any) -> Verdict:
     """Whether a function is constant along motions, those that cross its cuts among them."""
     try:
-        found = decide_zero(mechanics.derivative(function), mechanics.hypotheses)
+        verdict = decide_zero(mechanics.derivative(function), mechanics.hypotheses)
     except EngineLimit as limit:
         return Verdict("undecided", str(limit))
-    found = across_cuts(found, mechanics, [("", function)], constant=True)
-    return not_vacuous(found, mechanics)
+    verdict = across_cuts(verdict, mechanics, [("", function)], constant=True)
+    return not_vacuous(verdict, mechanics)
 
 
 @dataclass(frozen=True)
@@ -393,8 +393,8 @@ def known_integrals(motions: Motions, field: VectorField, values: SymbolValues) 
     """The declared integrals that are functions on the field, which has special values of
     parameters, in the engine's symbols."""
     inside = {field.bridge.inward(s): field.bridge.inward(v) for s, v in values.items()}
-    found = _on_field(motions, field, _declared_integrals(motions.system, values))
-    return {name: f.xreplace(inside) for name, f in found.items()}
+    integrals = _on_field(motions, field, _declared_integrals(motions.system, values))
+    return {name: f.xreplace(inside) for name, f in integrals.items()}
 
 
 def _declared_integrals(system: System, values: SymbolValues) -> dict[str, sp.Expr]:
@@ -429,20 +429,22 @@ def _on_field(
             plain[name] = motions.at(field.level).read(expr)
         else:
             other[name] = motions.on_coordinates.read(expr)
-    found = plain | _descend(motions, other)
-    return {k: found[k] for k in claims if k in found and found[k].diff(field.time) == 0}
+    functions = plain | _descend(motions, other)
+    return {
+        k: functions[k] for k in claims if k in functions and functions[k].diff(field.time) == 0
+    }
 
 
 def _descend(motions: Motions, functions: Mapping[str, Any]) -> dict[str, Any]:
     """Functions of coordinates and velocities as functions of invariants and velocities, where
     elimination finds them as such."""
-    found = {}
+    descended = {}
     for name, function in functions.items():
         with suppress(EngineLimit):
             (rewritten,) = in_invariants(motions.equations, [function])
             if rewritten is not None:
-                found[name] = rewritten
-    return found
+                descended[name] = rewritten
+    return descended
 
 
 @dataclass(frozen=True)
@@ -524,20 +526,20 @@ class _StateReader:
         the constraints integrate to a function that holds them."""
         field, leaves = self.field, self._leaves()
         angles = atoms([*field.entries, *leaves], se.sin, se.cos, se.tan)
-        found = []
+        letters = []
         for q in field.positions:
             turning = {f: f.args[0].diff(q) for f in angles if q in f.free_symbols}
             turning = {f: c for f, c in turning.items() if isinstance(c, se.Rational)}
             turns = lcm(*(int(c.get_num_den()[1]) for c in turning.values()))
             if turning:
-                found += [self._letter(f(q / turns), "position") for f in (se.cos, se.sin)]
+                letters += [self._letter(f(q / turns), "position") for f in (se.cos, se.sin)]
             plain = {f: se.Symbol(f"{i} in a circle") for i, f in enumerate(turning)}
             under = [e for e in field.entries if q in e.free_symbols]
             bare = any(q in e.xreplace(plain).free_symbols for e in (*under, *leaves))
             held = not under or bare
             if held or self._does_work(q, turns):
-                found.append(self._letter(q, "position"))
-        return found
+                letters.append(self._letter(q, "position"))
+        return letters
 
     def _does_work(self, q: Any, turns: int) -> bool:
         """Whether forces at rest do work over whole turns of an angle, as a constant torque does:
@@ -565,18 +567,18 @@ class _StateReader:
             return []
 
     def functions(self, given: Mapping[str, sp.Expr]) -> list[Letter]:
-        found = []
+        letters = []
         for name, expr in given.items():
             value = self.read(expr)
             if not value.free_symbols & {*self.field.variables}:
                 holds = self.field.time in value.free_symbols
                 why = "holds the time, and no state" if holds else "is a constant"
                 raise DefinitionError(f"the function '{name}' {why}; leave it out")
-            found.append(self._letter(value, self._kind(value), name))
-        return found
+            letters.append(self._letter(value, self._kind(value), name))
+        return letters
 
     def denominators(self, below: Sequence[Any]) -> list[Letter]:
-        found: list[Letter] = []
+        letters: list[Letter] = []
         longer = sum(d == "mass" or not as_expression(d).is_Symbol for d in below)
         for d in below:
             value = self.read(d) if d != "mass" else self._determinant()
@@ -585,9 +587,9 @@ class _StateReader:
             meaning = self.field.bridge.outward(value)
             name = meaning
             if not meaning.is_Symbol:
-                name = sp.Symbol("Delta" if longer == 1 else f"Delta{len(found) + 1}")
-            found.append(Letter(1 / name, 1 / value, meaning, "denominator"))
-        return found
+                name = sp.Symbol("Delta" if longer == 1 else f"Delta{len(letters) + 1}")
+            letters.append(Letter(1 / name, 1 / value, meaning, "denominator"))
+        return letters
 
     def _determinant(self) -> Any:
         """The numerator of the determinant of the mass."""
@@ -601,7 +603,7 @@ class _StateReader:
 def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
     """Extra letters by name; a vector counts its entries from 1, and None stands for the function
     of a declared equation."""
-    found: dict[str, sp.Expr] = {}
+    named: dict[str, sp.Expr] = {}
     taken = {str(s) for s in (*system.known_symbols(), *system.invariant_symbols)}
     for name, value in given.items():
         if value is None:
@@ -616,10 +618,10 @@ def _functions(system: System, given: Mapping[str, Any]) -> dict[str, sp.Expr]:
         count = range(1, len(entries) + 1)
         names = [plain] if len(entries) == 1 else [f"{plain}{i}" for i in count]
         for one, entry in zip(names, entries, strict=True):
-            if one in taken or one in found:
+            if one in taken or one in named:
                 raise DefinitionError(f"the name '{one}' is taken; give the function another")
-            found[one] = as_expression(entry)
-    return found
+            named[one] = as_expression(entry)
+    return named
 
 
 def require_bound(name: str, number: Any, least: int = 0) -> None:
@@ -631,9 +633,9 @@ def require_bound(name: str, number: Any, least: int = 0) -> None:
 def read_expressions(system: System, given: Any, place: str) -> list[sp.Expr]:
     """Several expressions in symbols that a system has."""
     exprs = several(given, place, "expression", (int, float))
-    found = [read_expression(as_expression(e), place) for e in exprs]
-    check_symbols(system, found, set())
-    return found
+    expressions = [read_expression(as_expression(e), place) for e in exprs]
+    check_symbols(system, expressions, set())
+    return expressions
 
 
 def check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> None:
@@ -652,27 +654,27 @@ def check_symbols(system: System, exprs: Iterable[sp.Expr], new: set[Any]) -> No
 def parameter_values(system: System, at: Mapping[Any, Any]) -> dict[sp.Symbol, sp.Expr]:
     """Special values of parameters, by symbol."""
     parameters = {str(p.symbol): p.symbol for p in system.parameters}
-    found = {}
+    values = {}
     for key, value in at.items():
         if str(key) not in parameters:
             raise DefinitionError(
                 f"system '{system.name}' has no parameter '{key}'"
                 + did_you_mean(str(key), parameters)
             )
-        found[parameters[str(key)]] = as_expression(value).xreplace(
+        values[parameters[str(key)]] = as_expression(value).xreplace(
             {
                 s: parameters[str(s)]
                 for s in as_expression(value).free_symbols
                 if str(s) in parameters
             }
         )
-    for symbol, value in found.items():
-        if value.free_symbols & {*found}:
+    for symbol, value in values.items():
+        if value.free_symbols & {*values}:
             raise DefinitionError(
                 f"the value '{value}' of '{symbol}' holds a parameter that has a value itself; "
                 "write it with the others"
             )
-    return found
+    return values
 
 
 def specialize_field(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) -> VectorField:
@@ -683,12 +685,12 @@ def specialize_field(field: VectorField, values: Mapping[sp.Symbol, sp.Expr]) ->
     text = ", ".join(f"{s} = {v}" for s, v in values.items())
 
     def enter(exprs: Sequence[Any]) -> tuple[Any, ...]:
-        found = tuple(e.xreplace(inside) for e in exprs)
-        if any(e.has(se.zoo) or e.has(se.nan) for e in found):
+        entered = tuple(e.xreplace(inside) for e in exprs)
+        if any(e.has(se.zoo) or e.has(se.nan) for e in entered):
             raise DefinitionError(
                 f"system '{field.system.name}': the equations have no value at {text}"
             )
-        return found
+        return entered
 
     new = sorted({s for v in inside.values() for s in v.free_symbols}, key=str)
     left = [s for s in field.parameters if s not in inside]

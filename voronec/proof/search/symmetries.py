@@ -215,7 +215,7 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
         return along(row) + dot(pushed, [row.diff(d) for d in slopes])
 
     still, kept = len(field.positions), [along(r) for r in field.relations]
-    found = Verdict("undecided", "")
+    verdict = Verdict("undecided", "")
     # where Y changes the mass by a factor, no inverse of it is needed
     for factor in dict.fromkeys((se.Integer(0), -2 * clock)):
         rows = _equations(field, slopes)
@@ -228,15 +228,15 @@ def _proved_field(field: VectorField, entries: Mapping[int, Any]) -> SymmetryFie
             prolong(e) + dot(row, rows[still:]) - (factor - clock) * e
             for e, row in zip(rows[still:], back, strict=True)
         ]
-        found = found if found.proved else _vanish(field, [*kept, *residuals])
-    if not found.proved:
+        verdict = verdict if verdict.proved else _vanish(field, [*kept, *residuals])
+    if not verdict.proved:
         rows = [d - e for d, e in zip(slopes, field.components, strict=True)]
         changes = zip(rows, turn, strict=True)
-        residuals = [prolong(e) - dot(own, rows) + clock * e for e, own in changes]
-        found = _vanish(field, [*kept, *residuals])
+        residuals = [prolong(e) - dot(gradient, rows) + clock * e for e, gradient in changes]
+        verdict = _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(c) for x, c in zip(field.variables, y, strict=True) if c != 0}
-    return SymmetryField(shown, outward(clock), found)
+    return SymmetryField(shown, outward(clock), verdict)
 
 
 Element = tuple[tuple[int, ...], tuple[int, ...], int]
@@ -255,13 +255,13 @@ def _group(field: VectorField, rng: Any) -> tuple[RationalFlow, list[Element], b
         raise EngineLimit(f"there are {size} variables")
     orbit = [series[:, 0] for series in flow.orbit(1, p, rng)]
     signs = np.array([*product((1, -1), repeat=size)], dtype=np.int64)
-    orders, found = _arrangements(flow), list[Element]()
+    orders, elements = _arrangements(flow), list[Element]()
     for order in orders:
         images, moved = ((signs * part[list(order)]).T % p for part in orbit)
         for time in (1, -1):
             good = ~flow.residuals(images, time * moved % p, p).any(axis=0)
-            found += [(order, tuple(map(int, s)), time) for s in signs[good]]
-    return flow, [e for e in found if _is_map(flow, e)], len(orders) > 1
+            elements += [(order, tuple(map(int, s)), time) for s in signs[good]]
+    return flow, [e for e in elements if _is_map(flow, e)], len(orders) > 1
 
 
 def _generators(elements: Sequence[Element]) -> list[Element]:
@@ -300,13 +300,13 @@ def _arrangements(flow: RationalFlow) -> list[tuple[int, ...]]:
     ]
     if prod(factorial(len(g)) for g in groups) * 2**size > MAPS:
         return [tuple(range(size))]
-    places, found = [i for group in groups for one in group for i in one], []
+    places, orders = [i for group in groups for one in group for i in one], []
     for chosen in product(*map(permutations, groups)):
         moved = dict(
             zip(places, [i for group in chosen for one in group for i in one], strict=True)
         )
-        found.append(tuple(moved.get(i, i) for i in range(size)))
-    return found
+        orders.append(tuple(moved.get(i, i) for i in range(size)))
+    return orders
 
 
 def _is_map(flow: RationalFlow, element: Element) -> bool:
@@ -336,14 +336,14 @@ def _proved_map(field: VectorField, flow: RationalFlow, element: Element) -> Sym
     )
     kept = [r.xreplace(moved) for r in field.relations]
     solved = (d - e for d, e in zip(slopes, field.components, strict=True))
-    found = Verdict("undecided", "")
+    verdict = Verdict("undecided", "")
     for rows in (_equations(field, slopes), solved):  # where the mass is kept, without its inverse
         rows = [*rows]
         residuals = [
             e.xreplace({**moved, **turned}) - f * rows[i]
             for e, f, i in zip(rows, factors, places, strict=True)
         ]
-        found = found if found.proved else _vanish(field, [*kept, *residuals])
+        verdict = verdict if verdict.proved else _vanish(field, [*kept, *residuals])
     outward = field.bridge.outward
     shown = {outward(x): outward(e) for x, e in moved.items()}
-    return SymmetryMap(shown, time < 0, found)
+    return SymmetryMap(shown, time < 0, verdict)
