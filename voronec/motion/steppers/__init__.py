@@ -17,11 +17,9 @@ from voronec.motion.steppers.heyoka_stepper import (
 from voronec.motion.steppers.integer_taylor import digits
 from voronec.motion.steppers.kept_code import kept_library
 from voronec.motion.steppers.numba_stepper import (
-    Loop,
     compiled_dop853,
     compiled_loop,
     dop853_leap,
-    scales_of,
 )
 from voronec.motion.steppers.run import (
     COLLAPSE,
@@ -52,7 +50,6 @@ from voronec.motion.steppers.samples import (
     WIDTH,
     OwnedSamples,
     Rates,
-    StepSampler,
     StepSamples,
     by_owner,
     series_samples,
@@ -61,7 +58,6 @@ from voronec.motion.steppers.samples import (
 from voronec.motion.steppers.scipy_stepper import (
     TRIAL,
     dop853,
-    dop853_steps,
     estimated_steps,
     lsoda,
 )
@@ -77,7 +73,6 @@ from voronec.motion.steppers.series_reach import (
     reach_of_series,
     uneven_steps,
 )
-from voronec.motion.steppers.step_loop import IntegratorFailure, Segment, Stride
 from voronec.motion.steppers.units import (
     CHUNK,
     SHORT,
@@ -91,16 +86,16 @@ from voronec.motion.steppers.wide_batch import Place, WideBatch
 __all__ = [
     "CHUNK", "COLLAPSE", "COMPACT", "DISTANT", "DOP853", "FAR", "FIRST_GROWTH", "INFINITE", "LONG",
     "MANY", "MEND", "NODES", "PARTS", "SHORT", "STRIDE", "TRIAL", "WIDTH", "WINDOW",
-    "ControllerFailure", "Feedback", "Field", "Integrator", "IntegratorFailure", "Leap",
-    "LongSteps", "Loop", "OwnedSamples", "Place", "Problem", "Rates", "Run",
-    "Segment", "Signal", "Signals", "StallDetector", "StepSampler", "StepSamples", "Stride",
+    "ControllerFailure", "Feedback", "Field", "Integrator", "Leap",
+    "LongSteps", "OwnedSamples", "Place", "Problem", "Rates", "Run",
+    "Signal", "Signals", "StallDetector", "StepSamples",
     "Suspect", "Termination", "Ticker", "TurnCount", "WideBatch", "balance", "blind_lanes",
     "by_owner", "c_loop", "compiled_dop853", "compiled_loop", "constants_along", "crossing_arrays",
-    "digits", "dop853", "dop853_leap", "dop853_steps",
+    "digits", "dop853", "dop853_leap",
     "estimated_steps", "exact_mpf", "field_of", "growth_source", "held_integrator", "heyoka",
     "in_kind", "in_parts", "kept_library", "long_steps", "lsoda", "make_with_event_states",
     "natural_units",
-    "parameter_count", "reach_of_series", "restart", "scales_of", "series_samples",
+    "parameter_count", "reach_of_series", "restart", "series_samples",
     "spread", "taylor", "taylor_leap", "uneven_steps", "unit_parameters", "units_of_many", "until",
     "values_along", "with_parts",
 ]  # fmt: skip
