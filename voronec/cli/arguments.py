@@ -110,8 +110,8 @@ def _system_names(prefix: str, **_: Any) -> list[str]:
     systems, and folders."""
     from voronec.declaration.catalogue import SUFFIXES, names
 
-    found = sorted(glob(f"{escape(prefix)}*"))
-    files = [path for path in found if path.endswith(SUFFIXES) or isdir(path)]
+    paths = sorted(glob(f"{escape(prefix)}*"))
+    files = [path for path in paths if path.endswith(SUFFIXES) or isdir(path)]
     return [name for name in names() if name.startswith(prefix)] + [
         f"{path}/" if isdir(path) else path for path in files
     ]

@@ -35,7 +35,7 @@ def execute(arguments: Namespace) -> int:
     system, given = motion_of(arguments)
     del given["scene"]  # the problem chooses one
     _refuse_tables(given["inputs"])
-    values = {kind: {k: str(v) for k, v in found.items()} for kind, found in given.items()}
+    values = {kind: {k: str(v) for k, v in table.items()} for kind, table in given.items()}
     if arguments.setup:
         return _show_calls(arguments, system.name, time, tolerances, values)
     folder = wanted_folder(arguments.out or f"{system.name}-bench")
@@ -86,17 +86,17 @@ def _show_calls(
     from voronec.accuracy.bench import measure_calls
 
     with progress_line(f"{name}: calls in two fresh processes ..."):
-        found = measure_calls(
+        seconds = measure_calls(
             arguments.system, arguments.scene, time, (tolerances or [TOLERANCE])[0], values
         ).as_dict()
     stages = sorted(
-        {s for d in found.values() for s in d}, key=lambda s: -found["first ever"].get(s, 0)
+        {s for d in seconds.values() for s in d}, key=lambda s: -seconds["first ever"].get(s, 0)
     )
-    rows = [[s, *(f"{1e3 * d.get(s, 0.0):.1f}" for d in found.values())] for s in stages]
-    rows.append(["together", *(f"{1e3 * sum(d.values()):.1f}" for d in found.values())])
-    answer(arguments.json, lambda: {"system": name, "seconds": found}, [
+    rows = [[s, *(f"{1e3 * d.get(s, 0.0):.1f}" for d in seconds.values())] for s in stages]
+    rows.append(["together", *(f"{1e3 * sum(d.values()):.1f}" for d in seconds.values())])
+    answer(arguments.json, lambda: {"system": name, "seconds": seconds}, [
         f"{name}: a whole call of integrate, milliseconds of the processor",
-        *columns([["stage", *found], *rows]),
+        *columns([["stage", *seconds], *rows]),
         "first in a process: heyoka finds on disk what it has compiled; both with imports",
     ])  # fmt: skip
     return 0
@@ -183,13 +183,13 @@ def _equal(bench: Bench) -> list[str]:
     for measured in present:
         row = [measured.name]
         for error in AT:
-            found = measured.at(error, extrapolate=measured.has_order)
-            if found.seconds is None:
-                row += [found.kind, "-"]
+            cost = measured.at(error, extrapolate=measured.has_order)
+            if cost.seconds is None:
+                row += [cost.kind, "-"]
                 continue
-            first.setdefault(error, found.seconds)
-            bound = MARKS.get(found.kind, "")
-            row += [f"{bound}{1e6 * found.seconds:.4g}", f"{found.seconds / first[error]:.3g}"]
+            first.setdefault(error, cost.seconds)
+            bound = MARKS.get(cost.kind, "")
+            row += [f"{bound}{1e6 * cost.seconds:.4g}", f"{cost.seconds / first[error]:.3g}"]
         rows.append(row)
     lines = columns([head, *rows])
     if any(cell.startswith("~") for row in rows for cell in row):

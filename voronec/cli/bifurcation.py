@@ -24,11 +24,13 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.bifurcation import bifurcation_diagram
 
     with progress_line(f"{system.name}: critical values ..."):
-        found = bifurcation_diagram(system, **given)
-        write = partial(write_picture_and_table, found, "bifurcation")
+        diagram = bifurcation_diagram(system, **given)
+        write = partial(write_picture_and_table, diagram, "bifurcation")
         files = [] if folder is None else deliver(folder, write)
     answer(
-        arguments.json, lambda: {**found.as_dict(), "files": files}, [*found.lines(), *wrote(files)]
+        arguments.json,
+        lambda: {**diagram.as_dict(), "files": files},
+        [*diagram.lines(), *wrote(files)],
     )
     return 0
 

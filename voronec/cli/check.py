@@ -49,12 +49,12 @@ def _rows(results: Sequence[Result]) -> Iterator[list[str]]:
     """A line for each result, and one for each claim of it; of what is carried, the number."""
     for result in results:
         took = "known" if result.reused else f"{result.seconds:.2f} s"
-        own, carried = _split_findings(result)
+        claims, carried = _split_findings(result)
         notes = list(result.notes)
         notes += [f"carries {_count_words(len(carried), 'claim')}"] if carried else []
         name = shorten_square(result.name) if result.kind == "square" else result.name
         yield [result.status, took, name + (f"  ({'; '.join(notes)})" if notes else "")]
-        for finding in (*own, *(f for f in carried if f.status != "proved")):
+        for finding in (*claims, *(f for f in carried if f.status != "proved")):
             remark = _remark(finding)
             told = f"    {finding.kind} {finding.name}" + (f"  {remark}" if remark else "")
             yield [finding.status, "", told]
@@ -68,10 +68,10 @@ def shorten_square(label: str) -> str:
 def _split_findings(result: Result) -> tuple[list[Finding], list[Finding]]:
     """The claims of a system, or whatever is told apart; and what a relation carries."""
     carried = [f for f in result.findings if f.kind.startswith("carried ")]
-    own = [f for f in result.findings if f not in carried]
-    if result.kind != "system" or (len(own) == 1 and own[0].name == result.name):
-        own = [f for f in own if f.admitted]  # the first line says it all
-    return own, carried
+    claims = [f for f in result.findings if f not in carried]
+    if result.kind != "system" or (len(claims) == 1 and claims[0].name == result.name):
+        claims = [f for f in claims if f.admitted]  # the first line says it all
+    return claims, carried
 
 
 def _remark(finding: Finding) -> str:

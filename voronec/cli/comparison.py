@@ -22,9 +22,9 @@ def execute(arguments: Namespace) -> int:
     with progress_line():
         first, second = (_side(subject) for subject in (arguments.first, arguments.second))
         progress(f"comparing '{first.name}' and '{second.name}'")
-        found = compare(first, second)
-    answer(arguments.json, found.as_dict, _lines(found))
-    return 0 if found.equal else 1
+        comparison = compare(first, second)
+    answer(arguments.json, comparison.as_dict, _lines(comparison))
+    return 0 if comparison.equal else 1
 
 
 def _side(subject: str) -> StoredDerivation:

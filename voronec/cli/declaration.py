@@ -165,11 +165,11 @@ def declaration(subject: str) -> tuple[dict[str, Any], Path | None]:
         return _data(system), folder
     store, files = Store.of_user("show", MEMORY), sorted(closure([origin.resolve()]))
     key = digest(subject, files, __name__)
-    found: dict[str, Any] | None = store.load(key, "declaration")
-    if found is None:
-        found = _data(resolve(subject)[0])
-        store.save(key, "declaration", found)
-    return found, origin.parent
+    declared: dict[str, Any] | None = store.load(key, "declaration")
+    if declared is None:
+        declared = _data(resolve(subject)[0])
+        store.save(key, "declaration", declared)
+    return declared, origin.parent
 
 
 def _data(system: System) -> dict[str, Any]:

@@ -52,12 +52,12 @@ def _derivation(arguments: Namespace) -> int:
     from voronec.audit.lessons.lesson import lesson
 
     with progress_line(f"{system.name}: the derivation step by step ..."):
-        found = lesson(system)
-        told = found.as_dict() if arguments.json else None
-        text = found.latex() if arguments.latex else str(found)
-    files = [] if folder is None else deliver(folder, lambda to: _write_lesson(found, to))
+        derivation = lesson(system)
+        told = derivation.as_dict() if arguments.json else None
+        text = derivation.latex() if arguments.latex else str(derivation)
+    files = [] if folder is None else deliver(folder, lambda to: _write_lesson(derivation, to))
     answer(arguments.json, lambda: {**(told or {}), "files": files}, [text, *wrote(files)])
-    return 0 if found.verdict.proved else 1
+    return 0 if derivation.verdict.proved else 1
 
 
 def _write_lesson(found: Lesson, workshop: Path) -> None:

@@ -20,25 +20,25 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.exponents import exponents
 
     with progress_line(f"{system.name}: following the motion ..."):
-        found = exponents(
+        spectrum = exponents(
             system, variables=variables, count=arguments.count, bar=bar, until=until, tol=tol,
             **given,
         )  # fmt: skip
-    if found.interrupted:
+    if spectrum.interrupted:
         raise KeyboardInterrupt
     data = {
-        "system": system.name, "scene": given["scene"], "variables": list(found.variables),
-        "exponents": found.values[0].tolist(), "bars": found.bars[0].tolist(),
-        "settled": bool(found.is_settled[0]), "bar_asked": found.bar,
-        "zeros": int(found.zeros[0]), "zeros_at_least": int(found.least_zeros[0]),
-        "constants": list(found.constants), "sum": float(found.values[0].sum()),
-        "mean_divergence": float(found.divergence[0]), "drift": float(found.drift[0]),
-        "reversal": found.reversal and list(found.reversal), "time": float(found.time[0]),
-        "seconds": found.seconds,
+        "system": system.name, "scene": given["scene"], "variables": list(spectrum.variables),
+        "exponents": spectrum.values[0].tolist(), "bars": spectrum.bars[0].tolist(),
+        "settled": bool(spectrum.is_settled[0]), "bar_asked": spectrum.bar,
+        "zeros": int(spectrum.zeros[0]), "zeros_at_least": int(spectrum.least_zeros[0]),
+        "constants": list(spectrum.constants), "sum": float(spectrum.values[0].sum()),
+        "mean_divergence": float(spectrum.divergence[0]), "drift": float(spectrum.drift[0]),
+        "reversal": spectrum.reversal and list(spectrum.reversal), "time": float(spectrum.time[0]),
+        "seconds": spectrum.seconds,
     }  # fmt: skip
-    lines = [f"{system.name}: exponents in {', '.join(found.variables)}", *found.lines(0)]
+    lines = [f"{system.name}: exponents in {', '.join(spectrum.variables)}", *spectrum.lines(0)]
     answer(arguments.json, lambda: data, lines)
-    if not found.is_settled[0]:
+    if not spectrum.is_settled[0]:
         warn("not all exponents have settled; give --until a longer time, or --bar a larger one")
         return 1
     return 0

@@ -80,16 +80,16 @@ def execute(arguments: Namespace) -> int:
     except KeyboardInterrupt:
         stopped = True
     progress("")
-    found = [f for f in answers if isinstance(f, GalleryMotion)]
-    if not found and stopped:
+    exhibits = [f for f in answers if isinstance(f, GalleryMotion)]
+    if not exhibits and stopped:
         raise KeyboardInterrupt
-    files = _write(system, found, target) if found else []
+    files = _write(system, exhibits, target) if exhibits else []
     _tell(system, answers, files, arguments.json)
     if stopped:
         wanted = len(labels) * len(_traces(system))
         print(f"voronec: stopped, {len(answers)} of {wanted} motions done", file=sys.stderr)
         return 130
-    return 0 if found else 1
+    return 0 if exhibits else 1
 
 
 def _pages(arguments: Namespace) -> int:
@@ -180,20 +180,20 @@ def _write(system: System, found: Sequence[GalleryMotion], target: Path) -> list
     from voronec.closed.pictures.sphere_picture import traces_figure
     from voronec.motion.pictures.run_pictures import save
 
-    own = [(f, _draw_motion(system, f)) for f in found]
+    drawings = [(f, _draw_motion(system, f)) for f in found]
     names = list[str]()
 
     def write_one(workshop: Path) -> None:
-        shown = [_of_class(f, traces) for f, traces in own]
+        shown = [_of_class(f, traces) for f, traces in drawings]
         save(traces_figure(shown, columns=3), workshop / target.name)
 
     def write_all(workshop: Path) -> None:
-        for f, traces in own:
+        for f, traces in drawings:
             progress(f"{system.name}: drawing {f.request.label} {f.request.trace}")
             names.append(f"{_slug(f.request.trace)}-{f.request.label}.svg")
             save(traces_figure(traces), workshop / names[-1])
-        for title in dict.fromkeys(f.request.trace for f, _ in own):
-            shown = [_of_class(f, traces) for f, traces in own if f.request.trace == title]
+        for title in dict.fromkeys(f.request.trace for f, _ in drawings):
+            shown = [_of_class(f, traces) for f, traces in drawings if f.request.trace == title]
             names.append(f"{_slug(title)}.svg")
             save(traces_figure(shown, title=title, columns=3), workshop / names[-1])
 
@@ -234,8 +234,8 @@ def _tell(
     files: Sequence[Path],
     as_json: bool,
 ) -> None:
-    found = [f for f in answers if isinstance(f, GalleryMotion)]
-    lines = columns([_head(found[0]), *map(_row, found)]) if found else []
+    exhibits = [f for f in answers if isinstance(f, GalleryMotion)]
+    lines = columns([_head(exhibits[0]), *map(_row, exhibits)]) if exhibits else []
     lines += [f.reason for f in answers if isinstance(f, GalleryGap)]
     if files:
         many = f"{len(files)} pictures to {files[0].parent}"

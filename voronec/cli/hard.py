@@ -95,13 +95,13 @@ def _run(
 def _tell(findings: Sequence[CaseResult], folder: Path | None, as_json: bool) -> None:
     from voronec.accuracy.hard.page import data, page, summary
 
-    found = [data(f) for f in findings]
+    records = [data(f) for f in findings]
 
     def write(workshop: Path) -> None:
         (workshop / "hard-cases.md").write_text(page(findings), "utf-8")
-        (workshop / "hard.json").write_text(json.dumps(found, indent=2), "utf-8")
+        (workshop / "hard.json").write_text(json.dumps(records, indent=2), "utf-8")
 
-    answer(as_json, lambda: found, [summary(findings)])
+    answer(as_json, lambda: records, [summary(findings)])
     files = [] if folder is None else deliver(folder, write)
     if not as_json:
         answer(as_json, list, wrote(files))

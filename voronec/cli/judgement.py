@@ -13,6 +13,6 @@ def execute(arguments: Namespace) -> int:
     from voronec.audit.lessons.judgement import judge
 
     system, _ = resolve(arguments.system)
-    found = judge(system, arguments.equation)
-    answer(arguments.json, found.as_dict, [found])
-    return 0 if found.proved else 1
+    judgement = judge(system, arguments.equation)
+    answer(arguments.json, judgement.as_dict, [judgement])
+    return 0 if judgement.proved else 1

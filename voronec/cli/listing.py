@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def execute(arguments: Namespace) -> int:
     """Print the catalogue."""
     if arguments.names:
-        found = names()
-        answer(arguments.json, lambda: found, found)
+        listed = names()
+        answer(arguments.json, lambda: listed, listed)
         return 0
     from voronec.proof.check import Inventory
 

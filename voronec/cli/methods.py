@@ -14,7 +14,7 @@ def execute(arguments: Namespace) -> int:
     from voronec.audit.lessons.methods import by_methods
 
     with progress_line(f"{system.name}: the equations by six methods ..."):
-        found = by_methods(system)
-        lines = [] if arguments.json else [str(found)]
-    answer(arguments.json, found.as_dict, lines)
-    return 0 if found.proved else 1
+        comparison = by_methods(system)
+        lines = [] if arguments.json else [str(comparison)]
+    answer(arguments.json, comparison.as_dict, lines)
+    return 0 if comparison.proved else 1

@@ -36,22 +36,22 @@ def execute(arguments: Namespace) -> int:
     known = table if table is not None and table.exists() else None
     with progress_line(f"{path.name}: deriving the equations ..."):
         system, _ = resolve(arguments.system)
-        found = audit_paper(path, system, known, lambda at, verdict: progress(f"{at}: {verdict}"))
-    lines = found.lines()
+        review = audit_paper(path, system, known, lambda at, verdict: progress(f"{at}: {verdict}"))
+    lines = review.lines()
     if arguments.format == "md":
-        lines = [referee_markdown(found.audit, found.letters, system.name).rstrip()]
+        lines = [referee_markdown(review.audit, review.letters, system.name).rstrip()]
     if folder is not None:
-        files = deliver(folder, lambda to: write_audit(found.audit, to))
+        files = deliver(folder, lambda to: write_audit(review.audit, to))
         lines += ["wrote " + ", ".join(map(str, files))]
-    if table is not None and known is None and not found.letters:
+    if table is not None and known is None and not review.letters:
         lines += [f"no letter is left to be explained; {table} is not needed"]
     elif table is not None and known is None:
-        create(table, letters_table(found.letters))
+        create(table, letters_table(review.letters))
         lines += [f"wrote {table}: say there what the letters are, and repeat the command"]
-    elif found.letters and known is None:
+    elif review.letters and known is None:
         lines += ["--dictionary FILE.toml writes a table of these letters, to be filled in"]
-    answer(arguments.json, found.as_dict, lines)
-    return 1 if found.errata else 0
+    answer(arguments.json, review.as_dict, lines)
+    return 1 if review.errata else 0
 
 
 def _draft(path: Path, as_json: bool) -> int:

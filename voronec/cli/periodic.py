@@ -24,19 +24,19 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.periodic import periodic
 
     with progress_line(f"{system.name}: looking for an orbit ..."):
-        found = periodic(
+        family = periodic(
             system, period=period, variables=variables, hold=hold, along=along, to=to,
             points=arguments.points, segments=arguments.segments, tol=tol,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the family"), **given,
         )  # fmt: skip
-    data = {**found.as_dict(), "scene": given["scene"], "along": along}
-    lines = [f"{system.name}: a periodic orbit", *found.orbits[0].lines()]
+    data = {**family.as_dict(), "scene": given["scene"], "along": along}
+    lines = [f"{system.name}: a periodic orbit", *family.orbits[0].lines()]
     if along is not None:
         rows = [[f"{along} = {orbit[along]:.8g}", f"period {orbit.period:.10g}", orbit.stability,
                  f"largest multiplier {abs(orbit.multipliers).max(initial=0.0):.6g}"]
-                for orbit in found]  # fmt: skip
-        lines = [repr(found), *columns(rows)]
-        for c in found.bifurcations:
+                for orbit in family]  # fmt: skip
+        lines = [repr(family), *columns(rows)]
+        for c in family.bifurcations:
             doubles = ": the period doubles" if c.at == -1 else ""
             lines.append(f"a multiplier passes {c.at} at {along} = {c.value:.12g}{doubles}")
     answer(arguments.json, lambda: data, lines)

@@ -77,13 +77,13 @@ def _lines(result: IntegralSearch) -> list[str]:
     if result.ignored:
         rows.append(["not used", f"{', '.join(result.ignored)} (no integrals in these variables)"])
     lines += [*columns(rows), "", "found"]
-    found = [
+    integrals = [
         [f.name, f"= {plain(f.short)}", _verdict(f.standing, f.independent)]
         for f in result.integrals
     ]
-    for name, equation, verdict in found:
+    for name, equation, verdict in integrals:
         lines += [f"  {name} {equation}", f"  {' ' * len(name)} {verdict}"]
-    if not found:
+    if not integrals:
         lines.append("  nothing new")
     return [*lines, "", result.statement]
 

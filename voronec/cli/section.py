@@ -49,21 +49,21 @@ def execute(arguments: Namespace) -> int:
             raise DefinitionError("--plane: with a table for an input name one, EXPR=VALUE")
         else:
             (plane, value), equations, given = plane, system, {**given, "inputs": inputs}
-        found = section(
+        crossings = section(
             equations, plane, outputs, **given, value=value, starts=arguments.starts,
             crossings=arguments.crossings, direction=DIRECTIONS[arguments.direction], until=until,
             method=arguments.method, tol=tol,
             progress=lambda share: progress(f"{system.name}: {share:.0%} of the crossings"),
         )  # fmt: skip
-    if found.interrupted and not len(found):
+    if crossings.interrupted and not len(crossings):
         raise KeyboardInterrupt
-    files = deliver(folder, lambda to: _write(found, to))
-    _report(found, given["scene"], files, arguments.json)
-    for error in found.errors.values():
+    files = deliver(folder, lambda to: _write(crossings, to))
+    _report(crossings, given["scene"], files, arguments.json)
+    for error in crossings.errors.values():
         warn(str(error))
-    if found.interrupted:
+    if crossings.interrupted:
         return 130
-    return 1 if found.errors else 0
+    return 1 if crossings.errors else 0
 
 
 def _refuse_none(arguments: Namespace) -> None:

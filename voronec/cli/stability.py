@@ -28,12 +28,12 @@ def execute(arguments: Namespace) -> int:
     from voronec.dynamics.steady import stability
 
     with progress_line(f"{system.name}: steady motions over {arguments.over} ..."):
-        found = stability(
+        family = stability(
             system, arguments.over, between, free=names_of(arguments.free),
             hold=names_of(arguments.hold), count=arguments.count, **given,
         )  # fmt: skip
-        data, lines = found.as_dict(), _lines(found)
-        write = partial(write_picture_and_table, found, "family")
+        data, lines = family.as_dict(), _lines(family)
+        write = partial(write_picture_and_table, family, "family")
         files = [] if folder is None else deliver(folder, write)
     answer(arguments.json, lambda: {**data, "files": files}, [*lines, *wrote(files)])
     return 0

@@ -24,16 +24,16 @@ def execute(arguments: Namespace) -> int:
 
     with progress_line(f"{system.name}: steady motions ..."):
         free = names_of(arguments.free)
-        found = steady(system, **given, free=free, exact=arguments.exact)
-        lines = [] if arguments.json else [line for m in found for line in lines_of(m)]
-        data = found.as_dict() if arguments.json else None
-    head = f"{system.name}: {found.solved} of {found.starts} starts lead to a steady motion"
-    for family in found.families:
+        motions = steady(system, **given, free=free, exact=arguments.exact)
+        lines = [] if arguments.json else [line for m in motions for line in lines_of(m)]
+        data = motions.as_dict() if arguments.json else None
+    head = f"{system.name}: {motions.solved} of {motions.starts} starts lead to a steady motion"
+    for family in motions.families:
         lines.append(
             f"exactly, dimension {family.dimension}: {', '.join(map(plain, family.equations))}"
         )
-    if found.limit:
-        warn(f"{found.limit}; the steady motions are known in numbers")
+    if motions.limit:
+        warn(f"{motions.limit}; the steady motions are known in numbers")
     answer(arguments.json, lambda: data, [head, *lines])
     return 0
 

@@ -49,20 +49,20 @@ def execute(arguments: Namespace) -> int:
         executor = None
         if arguments.scheduler:
             executor = stack.enter_context(dask_executor(arguments.scheduler))
-        found = sweep(
+        archive = sweep(
             system, grid, starts, record, arguments.out or f"{system.name}-sweep.zarr",
             arguments.seed, executor, arguments.jobs, times, method=arguments.method, tol=tol,
             chunk=arguments.chunk, resume=arguments.resume,
             progress=_clock(system.name, total), **given,
         )  # fmt: skip
-    files = [found.path, *_draw(found, arguments.plot)]
-    counts = found.counts()
-    data = {"system": system.name, "record": record, **counts, "interrupted": found.interrupted,
+    files = [archive.path, *_draw(archive, arguments.plot)]
+    counts = archive.counts()
+    data = {"system": system.name, "record": record, **counts, "interrupted": archive.interrupted,
             "files": files}  # fmt: skip
     told = ", ".join(f"{n} {what}" for what, n in counts.items())
-    lines = [f"{system.name}: {told}{', stopped by hand' if found.interrupted else ''}"]
-    answer(arguments.json, lambda: data, [*lines, *_reasons(found), *wrote(files)])
-    return 130 if found.interrupted else 0
+    lines = [f"{system.name}: {told}{', stopped by hand' if archive.interrupted else ''}"]
+    answer(arguments.json, lambda: data, [*lines, *_reasons(archive), *wrote(files)])
+    return 130 if archive.interrupted else 0
 
 
 def _times(text: str | None) -> Any:

@@ -153,17 +153,17 @@ def motion_of(arguments: Namespace) -> tuple[System, dict[str, Any]]:
 
 def input_values(texts: Iterable[str]) -> dict[str, Any]:
     """The values of inputs in NAME=VALUE: formulas, as text, and tables out of files."""
-    found: dict[str, Any] = {}
+    inputs: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not name or not value:
             raise DefinitionError(f"--input {text}: give NAME=VALUE, such as u=sin(t) or u=u.csv")
-        if name in found:
+        if name in inputs:
             raise DefinitionError(f"--input {text}: '{name}' is given twice; give it once")
         path, colon, kind = value.rpartition(":")
         path, kind = (path, kind) if colon and path.endswith(".csv") else (value, "linear")
-        found[name] = _table(path, kind, f"--input {name}") if path.endswith(".csv") else value
-    return found
+        inputs[name] = _table(path, kind, f"--input {name}") if path.endswith(".csv") else value
+    return inputs
 
 
 def _table(path: str, kind: str, place: str) -> Any:

@@ -32,13 +32,13 @@ def bibtex(keys: Iterable[str], folder: Path | None = None) -> dict[str, str]:
     the project.  Raises ``DefinitionError`` for a key that neither has.
     """
     known = read_entries(resources.files("voronec.docs").joinpath(FILE).read_text("utf-8"))
-    own = folder / FILE if folder is not None else None
-    if own is not None and own.is_file():
-        known |= read_entries(own.read_text("utf-8"))
+    path = folder / FILE if folder is not None else None
+    if path is not None and path.is_file():
+        known |= read_entries(path.read_text("utf-8"))
     wanted = list(keys)
     for key in wanted:
         if key not in known:
-            raise DefinitionError(f"the reference '{key}' is not in {own or FILE}; add its entry")
+            raise DefinitionError(f"the reference '{key}' is not in {path or FILE}; add its entry")
     return {key: known[key] for key in wanted}
 
 
@@ -87,14 +87,14 @@ def _plain(value: str) -> str:
 
 def read_entries(text: str) -> dict[str, str]:
     """The entries of a BibTeX text by key; an entry ends where its braces are balanced."""
-    found, at = {}, 0
+    entries, at = {}, 0
     while start := _START.search(text, at):  # what stands within an entry is none
         depth = 0
         for at in range(start.start(), len(text)):
             depth += {"{": 1, "}": -1}.get(text[at], 0)
             if depth == 0 and text[at] == "}":
-                found[start[2]] = text[start.start() : at + 1]
+                entries[start[2]] = text[start.start() : at + 1]
                 break
         else:
             raise DefinitionError(f"the reference '{start[2]}' has unbalanced braces; close them")
-    return found
+    return entries

@@ -80,20 +80,20 @@ class Entry:
             raise DefinitionError(f"system '{self.name}': {self.trouble}")
         if self.path and not self.member:
             return load_file(self.path)
-        found = self._definitions().get(self.attribute)
+        system = self._definitions().get(self.attribute)
         if self.member:
-            found = self._make_member(found)
-        if not isinstance(found, System):
+            system = self._make_member(system)
+        if not isinstance(system, System):
             raise DefinitionError(
                 f"system '{self.name}': {self.module}:{self.attribute} is a "
-                f"{type(found).__name__}, not a voronec.System"
+                f"{type(system).__name__}, not a voronec.System"
             )
-        if found.name != self.name:
+        if system.name != self.name:
             raise DefinitionError(
                 f"system '{self.name}': the system in {self.place} calls itself "
-                f"'{found.name}'; write name='{self.name}'"
+                f"'{system.name}'; write name='{self.name}'"
             )
-        return found
+        return system
 
     def _definitions(self) -> Mapping[str, Any]:
         """The names that the file or the module defines."""
@@ -115,13 +115,13 @@ class Entry:
         """Which members the family in this module or file has; none where it is one system."""
         if not self.path and not self.module:
             return ()
-        found = self._definitions().get("MEMBERS", {})
-        if not isinstance(found, Mapping) or not all(callable(make) for make in found.values()):
+        makers = self._definitions().get("MEMBERS", {})
+        if not isinstance(makers, Mapping) or not all(callable(make) for make in makers.values()):
             raise DefinitionError(
                 f"{self.place}: MEMBERS is no mapping of functions; write MEMBERS = "
                 "{'member': function that makes it}"
             )
-        return tuple(map(str, found))
+        return tuple(map(str, makers))
 
     def of_member(self, member: str) -> Entry:
         """A member of this family; ``DefinitionError`` where there is none of that name."""
@@ -146,18 +146,18 @@ class Entry:
 
     def _several(self, space: Any, title: str, kind: type) -> tuple[Any, ...]:
         """What the module declares under a title: a tuple of things of one kind."""
-        found = space.get(title, ())
+        things = space.get(title, ())
         entry = f"write {title} = ({kind.__name__}(...),)"
-        if not isinstance(found, (tuple, list)):
-            what = type(found).__name__
+        if not isinstance(things, (tuple, list)):
+            what = type(things).__name__
             raise DefinitionError(f"{self.place}: {title} is a {what}, not a tuple; {entry}")
-        for position, thing in enumerate(found):
+        for position, thing in enumerate(things):
             if not isinstance(thing, kind):
                 what = type(thing).__name__
                 raise DefinitionError(
                     f"{self.place}: entry {position + 1} of {title} is a {what}; {entry}"
                 )
-        return tuple(found)
+        return tuple(things)
 
 
 @cache
@@ -172,17 +172,17 @@ def entries() -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     Where a name is registered twice, this project's own entry stands, then the first by name of
     distribution.
     """
-    found: dict[str, Entry] = {}
+    registry: dict[str, Entry] = {}
     warnings = []
     for entry in registered_entries():
-        if entry.name in found:
+        if entry.name in registry:
             warnings.append(
                 f"system '{entry.name}' of '{entry.distribution}' is hidden by that of "
-                f"'{found[entry.name].distribution}'; rename one of them"
+                f"'{registry[entry.name].distribution}'; rename one of them"
             )
         else:
-            found[entry.name] = entry
-    return tuple(found[name] for name in sorted(found)), tuple(warnings)
+            registry[entry.name] = entry
+    return tuple(registry[name] for name in sorted(registry)), tuple(warnings)
 
 
 def names() -> list[str]:
@@ -259,11 +259,11 @@ def load_file(path: str | Path) -> System:
     """
     from voronec.declaration.system import System
 
-    found = _definitions_in(Path(path)).get("SYSTEM")
-    if not isinstance(found, System):
-        what = "no SYSTEM" if found is None else f"SYSTEM as a {type(found).__name__}"
+    system = _definitions_in(Path(path)).get("SYSTEM")
+    if not isinstance(system, System):
+        what = "no SYSTEM" if system is None else f"SYSTEM as a {type(system).__name__}"
         raise DefinitionError(f"{path} defines {what}; end it with SYSTEM = voronec.System(...)")
-    return found
+    return system
 
 
 def _definitions_in(path: Path) -> Mapping[str, Any]:
@@ -291,12 +291,12 @@ def require_suffix(path: Path) -> None:
 
 def load_paper_file(path: str | Path) -> Any:
     """What a Python file defines as ``PAPER``; ``DefinitionError`` as ``load_file`` has it."""
-    found = _definitions_in(Path(path)).get("PAPER")
-    if found is None:
+    paper = _definitions_in(Path(path)).get("PAPER")
+    if paper is None:
         raise DefinitionError(
             f"{path} defines no PAPER; end it with PAPER = voronec.audit.Paper(...)"
         )
-    return found
+    return paper
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
@@ -340,10 +340,10 @@ def _in_folder(module: str, owner: str) -> Iterator[Entry]:
     """The systems in a folder of modules."""
     spec = _find(module)
     locations = None if spec is None else spec.submodule_search_locations
-    for found in pkgutil.iter_modules(locations or ()):
-        if not found.name.startswith("_"):
-            name = found.name.replace("_", "-")
-            yield Entry(name, f"{module}.{found.name}", distribution=owner)
+    for submodule in pkgutil.iter_modules(locations or ()):
+        if not submodule.name.startswith("_"):
+            name = submodule.name.replace("_", "-")
+            yield Entry(name, f"{module}.{submodule.name}", distribution=owner)
 
 
 def _distribution(point: EntryPoint) -> str:
@@ -369,7 +369,7 @@ def _find(module: str) -> ModuleSpec | None:
 def _import(name: str, module: str, attribute: str) -> Any:
     """A module that defines an attribute; ``DefinitionError`` whatever its code does."""
     try:
-        found = import_module(module)
+        loaded = import_module(module)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -377,9 +377,9 @@ def _import(name: str, module: str, attribute: str) -> Any:
         near = str(Path(spec.origin).parent) if spec is not None and spec.origin else module
         what = failure(error, near)
         raise DefinitionError(f"system '{name}' cannot be loaded: {what}") from error
-    if not hasattr(found, attribute):
+    if not hasattr(loaded, attribute):
         raise DefinitionError(f"system '{name}': the module '{module}' defines no {attribute}")
-    return found
+    return loaded
 
 
 @contextmanager

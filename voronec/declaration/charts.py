@@ -106,16 +106,16 @@ class Chart:
     @staticmethod
     def _values(system: Variables, given: Mapping[Any, Any]) -> dict[sp.Expr, sp.Expr]:
         dots = {velocity(q): q for q in system.coordinates}
-        found = {}
+        images = {}
         for x in (*system.coordinates, *system.velocities):
             name = plain_name(x)
             if name not in given and plain_name(dots.get(x, x)) in given:
                 moved = given[plain_name(dots[x])]
                 pairs = [(q, dot) for dot, q in dots.items()]
-                found[x] = sp.Add(*[derivative(moved, q) * dot for q, dot in pairs])
+                images[x] = sp.Add(*[derivative(moved, q) * dot for q, dot in pairs])
             else:
-                found[x] = given.get(name, x)
-        return found
+                images[x] = given.get(name, x)
+        return images
 
 
 def _named_values(values: Any, part: str) -> Mapping[str, sp.Expr]:

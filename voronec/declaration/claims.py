@@ -224,8 +224,8 @@ def declared_claims(holder: Any) -> Iterator[DeclaredClaim]:
         held: Any = getattr(holder, kind.field, None)
         if kind.entry:
             for name, claim in held.items():
-                own = right_of(claim)
-                label = own.kind if isinstance(own, Assertion) else kind.name
+                right = right_of(claim)
+                label = right.kind if isinstance(right, Assertion) else kind.name
                 yield DeclaredClaim(label, name, f"{label} '{name}'", name, claim)
         elif held not in (None, (), ""):
             yield DeclaredClaim(kind.name, kind.title(held), kind.place, kind.name, held)
@@ -239,7 +239,7 @@ def without_claims() -> dict[str, Any]:
 
 def read_claims(holder: Any) -> dict[str, Any]:
     """The claims of a system or a case in their final form, by fields."""
-    found: dict[str, Any] = {}
+    claims: dict[str, Any] = {}
     for kind in KINDS:
         held = getattr(holder, kind.field, None)
         if kind.entry:
@@ -247,10 +247,10 @@ def read_claims(holder: Any) -> dict[str, Any]:
             read = {
                 k: _read_claim(v, f"{kind.name} '{quote(k)}'", kind.read) for k, v in values.items()
             }
-            found[kind.field] = fixed_mapping(read, kind.field, kind.entry)
+            claims[kind.field] = fixed_mapping(read, kind.field, kind.entry)
         elif held is not None:
-            found[kind.field] = kind.read(held, kind.place)
-    return found
+            claims[kind.field] = kind.read(held, kind.place)
+    return claims
 
 
 def expressions_of(claim: Any) -> Iterator[sp.Expr]:
@@ -265,9 +265,9 @@ def expressions_of(claim: Any) -> Iterator[sp.Expr]:
     elif isinstance(claim, Assertion):
         yield from claim.expressions
     elif isinstance(claim, Poisson):
-        own = dict.fromkeys(claim.variables, sp.Integer(1))
+        ones = dict.fromkeys(claim.variables, sp.Integer(1))
         values = (*claim.variables.values(), *claim.bracket.values())
-        yield from (e.xreplace(own) for e in (*values, claim.hamiltonian, claim.clock))
+        yield from (e.xreplace(ones) for e in (*values, claim.hamiltonian, claim.clock))
     elif isinstance(claim, tuple):
         yield from claim
     elif not isinstance(claim, str):
@@ -307,14 +307,14 @@ def right_of(claim: Any) -> Any:
 
 def _variables(given: Any, place: str) -> tuple[sp.Expr, ...]:
     """Variables of the motion, symbols or derivatives."""
-    found = several(given, place, "symbol")
-    for thing in found:
+    variables = several(given, place, "symbol")
+    for thing in variables:
         if not isinstance(thing, sp.Expr):
             raise DefinitionError(f"{place}: '{quote(thing)}' is no symbol; give the symbol")
-    for thing in found:
-        if found.count(thing) > 1:
+    for thing in variables:
+        if variables.count(thing) > 1:
             raise DefinitionError(f"{place}: '{quote(thing)}' is named twice; name it once")
-    return found
+    return variables
 
 
 def _read_claim(value: Any, place: str, read: Callable[[Any, str], Any]) -> Any:

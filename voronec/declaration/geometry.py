@@ -118,10 +118,10 @@ class Frame:
         read = {q: expression(e, f"the rate of '{quote(q)}'") for q, e in rates.items()}
         object.__setattr__(self, "rates", fixed_mapping(read, "rates", "coordinate: expression"))
         entry = "(a, b): {c: coefficient}"
-        given, table, own = fixed_mapping(self.brackets, "brackets", entry), {}, set(self.ambient)
+        given, table, names = fixed_mapping(self.brackets, "brackets", entry), {}, set(self.ambient)
         for pair, parts in given.items():
             pairs = isinstance(pair, tuple) and len(pair) == 2 and isinstance(parts, Mapping)
-            if not pairs or not {*pair, *parts} <= own:
+            if not pairs or not {*pair, *parts} <= names:
                 raise DefinitionError(
                     f"the bracket of '{quote(pair)}' is '{quote(parts)}'; write {entry} with "
                     "velocities of the frame"
@@ -233,14 +233,14 @@ def along_coordinates(
     over the coordinates; what is no velocity stays.  A text names what it stands for."""
     spelled = dict(zip(frame.velocities, frame.expressions, strict=True)) if frame else {}
     named = {plain_name(s): s for s in moving_names(coordinates, frame)}
-    found: dict[Any, sp.Expr] = {}
+    components: dict[Any, sp.Expr] = {}
     for key, force in forces.items():
         text = isinstance(key, str)
         direction = formula(key, "what a force acts along", named) if text else key
         shares = _shares(direction, coordinates, spelled)
         for q, share in (shares or {direction: sp.Integer(1)}).items():
-            found[q] = found.get(q, sp.Integer(0)) + share * force
-    return found
+            components[q] = components.get(q, sp.Integer(0)) + share * force
+    return components
 
 
 def _shares(

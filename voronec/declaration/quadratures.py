@@ -279,13 +279,13 @@ class Quadratures:
     @property
     def rates(self) -> Mapping[str, sp.Expr]:
         """Everything that is integrated, by name: angles, the clock, the place in a plane."""
-        found = {plain_name(q): rate for q, rate in self.integrals.items()}
+        integrands = {plain_name(q): rate for q, rate in self.integrals.items()}
         if self.clock != 1:
-            found["the clock"] = self.clock
+            integrands["the clock"] = self.clock
         if self.plane is not None:
             forward, left = self.plane.rates
-            found |= {"the way along": forward, "the way across": left}
-        return found
+            integrands |= {"the way along": forward, "the way across": left}
+        return integrands
 
     @property
     def known_coordinates(self) -> frozenset[sp.Expr]:
@@ -326,18 +326,18 @@ class Quadratures:
     @property
     def claims(self) -> tuple[str, ...]:
         """The name of every claim that this makes, of kind ``motion``."""
-        found = [f"{symbol} is constant" for symbol in self.constants]
-        found += [f"rate of {plain_name(q)}" for q in (self.x, *self.integrals)]
-        found += [f"pole {quote(place)}" for place in self.poles]
-        found += [f"residues of {what}" for what in self.rates]
-        found += [f"cosine of {plain_name(t.colatitude)}" for t in self.traces]
-        found += [f"velocity {plain_name(v)}" for v in self.velocities]
+        claimed = [f"{symbol} is constant" for symbol in self.constants]
+        claimed += [f"rate of {plain_name(q)}" for q in (self.x, *self.integrals)]
+        claimed += [f"pole {quote(place)}" for place in self.poles]
+        claimed += [f"residues of {what}" for what in self.rates]
+        claimed += [f"cosine of {plain_name(t.colatitude)}" for t in self.traces]
+        claimed += [f"velocity {plain_name(v)}" for v in self.velocities]
         if self.space is not None:
-            found += ["frame is orthogonal", "vector is constant in space"]
-            found += ["rest is free of space", "coordinates in space"]
+            claimed += ["frame is orthogonal", "vector is constant in space"]
+            claimed += ["rest is free of space", "coordinates in space"]
         if self.plane is not None:
-            found += ["direction in the plane", "place in the plane"]
-        return tuple(found)
+            claimed += ["direction in the plane", "place in the plane"]
+        return tuple(claimed)
 
     def with_titles(self, drawing: Any) -> Quadratures:
         """The quadratures with the titles that a system's ``drawing`` gives to the traces."""
@@ -345,11 +345,11 @@ class Quadratures:
             return self
         titles = {tuple(map(str, pair)): title for title, pair in drawing.items()}
         traces = tuple(replace(t, title=t.title or titles.get(_pair(t), "")) for t in self.traces)
-        found = object.__new__(type(self))  # what is read already is not read again
-        for own in fields(self):
-            object.__setattr__(found, own.name, getattr(self, own.name))
-        object.__setattr__(found, "traces", traces)
-        return found
+        titled = object.__new__(type(self))  # what is read already is not read again
+        for attribute in fields(self):
+            object.__setattr__(titled, attribute.name, getattr(self, attribute.name))
+        object.__setattr__(titled, "traces", traces)
+        return titled
 
 
 def _pair(trace: Trace) -> tuple[str, str]:

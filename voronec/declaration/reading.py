@@ -139,11 +139,11 @@ def instants(things: Any, place: str, wide: bool = False) -> np.ndarray:
         given = np.empty(0)
     if not wide or given.dtype.kind not in "OU":
         return doubles(things, place)
-    found = np.empty(given.shape, dtype=object)
+    times = np.empty(given.shape, dtype=object)
     for i, thing in np.ndenumerate(given):
         exact = real_number(thing, place)
-        found[i] = thing if isinstance(thing, mpmath.mpf) else _with_digits(exact)
-    return found
+        times[i] = thing if isinstance(thing, mpmath.mpf) else _with_digits(exact)
+    return times
 
 
 def _with_digits(number: sp.Expr) -> mpmath.mpf:

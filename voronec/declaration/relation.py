@@ -115,8 +115,8 @@ class Relation:
         used = set().union(*(value.free_symbols for value in values))
         limit = more.get("limit")
         moved = set(map(str, limit.parameters)) if limit is not None else set()
-        own = [p for p in system.parameters if p.symbol not in used and p.name not in moved]
-        kept = {p.name: p.symbol for p in own if p.name not in given}
+        resting = [p for p in system.parameters if p.symbol not in used and p.name not in moved]
+        kept = {p.name: p.symbol for p in resting if p.name not in given}
         return cls(system.name, target, parameters={**kept, **(changed or {})}, **more)
 
     @classmethod
@@ -135,11 +135,11 @@ class Relation:
             rates = ()
         kept = {plain_name(x): x for x in (*places, *rates)}
         state = {name: value for name, value in given.items() if name in {*kept, plain_name(time)}}
-        own = {p.name: given.get(p.name, p.symbol) for p in system.parameters}
-        used = {*state, *own}
+        parameters = {p.name: given.get(p.name, p.symbol) for p in system.parameters}
+        used = {*state, *parameters}
         rest = {name: value for name, value in changed.items() if plain_name(name) not in used}
         mapped = {**kept, **state} if state else None
-        return cls(source, system.name, mapped, {**own, **rest}, **more)
+        return cls(source, system.name, mapped, {**parameters, **rest}, **more)
 
     @property
     def label(self) -> str:
@@ -160,20 +160,20 @@ class Relation:
 def _usual_limit(system: Any, vanish: Any, grow: Any, limit: Any) -> Limit:
     """The limit in which parameters of a system ``vanish`` as h p and ``grow`` as 1/h."""
     zero, far = several(vanish, "vanish", "parameter"), several(grow, "grow", "parameter")
-    moved, own = [str(p) for p in (*zero, *far)], {p.name: p.symbol for p in system.parameters}
+    moved, symbols = [str(p) for p in (*zero, *far)], {p.name: p.symbol for p in system.parameters}
     for name in moved:
-        if name not in own:
+        if name not in symbols:
             raise DefinitionError(
                 f"'{quote(name)}' vanishes or grows, but is no parameter of '{system.name}'"
-                + did_you_mean(name, own)
+                + did_you_mean(name, symbols)
             )
     if limit is not None or len({*moved}) < len(moved):
         raise DefinitionError(
             f"'{moved[-1]}' moves in two ways; name it once in vanish= or grow=, or give limit="
         )
     small = uniquely_named_symbol("h", (*system.known_symbols(), *system.invariant_symbols))
-    values = [small * own[name] for name in moved[: len(zero)]] + [1 / small] * len(far)
-    return Limit(small, dict(zip((own[name] for name in moved), values, strict=True)))
+    values = [small * symbols[name] for name in moved[: len(zero)]] + [1 / small] * len(far)
+    return Limit(small, dict(zip((symbols[name] for name in moved), values, strict=True)))
 
 
 @takes_fields

@@ -94,10 +94,10 @@ class Parameter:
 
         What SymPy knows of the symbol itself is not among them.
         """
-        found = [self.symbol > 0] if self.positive else []
-        found += [] if self.lower is None else [self.symbol >= as_expression(self.lower)]
-        found += [] if self.upper is None else [self.symbol <= as_expression(self.upper)]
-        return tuple(c for c in found if c != sp.true)
+        relations = [self.symbol > 0] if self.positive else []
+        relations += [] if self.lower is None else [self.symbol >= as_expression(self.lower)]
+        relations += [] if self.upper is None else [self.symbol <= as_expression(self.upper)]
+        return tuple(c for c in relations if c != sp.true)
 
     def check(self, value: Any) -> None:
         """Raise ``DefinitionError`` where ``value`` lies outside the declared range."""

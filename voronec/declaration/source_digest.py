@@ -52,13 +52,13 @@ def digest(declared: str, files: Iterable[Path], decider: str) -> str:
 @remembered
 def engine_digest(modules: frozenset[str]) -> str:
     """A digest of modules of the engine and of all that they import, inside functions too."""
-    engine, waiting, found = _engine(engine_folder()), {*modules}, dict[str, str]()
+    engine, waiting, digests = _engine(engine_folder()), {*modules}, dict[str, str]()
     while waiting:
         module = waiting.pop()
-        if module in engine and module not in found:
-            found[module], imported = engine[module]
+        if module in engine and module not in digests:
+            digests[module], imported = engine[module]
             waiting |= {module.rpartition(".")[0], *imported}
-    return sha256(repr(sorted(found.items())).encode()).hexdigest()
+    return sha256(repr(sorted(digests.items())).encode()).hexdigest()
 
 
 def room_modules(room: str) -> frozenset[str]:
@@ -139,14 +139,14 @@ def engine_folder() -> Path:
 
 def closure(files: Iterable[Path]) -> set[Path]:
     """The files, and those they import or load, directly or not."""
-    waiting, found = set(files), set[Path]()
+    waiting, reached = set(files), set[Path]()
     while waiting:
         file = waiting.pop()
-        if file in found or not file.is_file() or not _is_own(file):
+        if file in reached or not file.is_file() or not _is_own(file):
             continue
-        found.add(file)
+        reached.add(file)
         waiting |= _files_under(file)
-    return found
+    return reached
 
 
 def _is_own(file: Path) -> bool:
@@ -162,16 +162,16 @@ def _libraries() -> tuple[Path, ...]:
 
 
 def _files_under(file: Path) -> set[Path]:
-    found: set[Path] = set()
+    files: set[Path] = set()
     for node in _importing_nodes(file.read_bytes()):
         if isinstance(node, ast.ImportFrom):
-            found |= set(_imported_files(file, node))
+            files |= set(_imported_files(file, node))
         elif isinstance(node, ast.Import):
             for alias in node.names:
-                found |= set(_absolute(file, alias.name))
+                files |= set(_absolute(file, alias.name))
         elif isinstance(node, ast.Call):
-            found |= set(_loaded_files(node))
-    return found
+            files |= set(_loaded_files(node))
+    return files
 
 
 @remembered

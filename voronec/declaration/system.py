@@ -259,14 +259,14 @@ class System:
         relations of redundant coordinates; on a group they stay, and are refused."""
         if self.on_group:
             return
-        own, frame = set(self.coordinates), self.frame.velocities if self.frame is not None else ()
-        moving = {*map(velocity, own), *frame}
+        held, frame = set(self.coordinates), self.frame.velocities if self.frame is not None else ()
+        moving = {*map(velocity, held), *frame}
         names = [names_in(c) for c in self.constraints]
-        loops = [bool(n & own) and not n & moving for n in names]
+        loops = [bool(n & held) and not n & moving for n in names]
         if any(loops):
             pairs = [*zip(self.constraints, loops, strict=True)]
-            found = (*self.fibration.relations, *(c for c, loop in pairs if loop))
-            store("fibration", replace(self.fibration, relations=found))
+            relations = (*self.fibration.relations, *(c for c, loop in pairs if loop))
+            store("fibration", replace(self.fibration, relations=relations))
             store("constraints", tuple(c for c, loop in pairs if not loop))
 
     def _all_inputs(self) -> tuple[sp.Expr, ...]:
@@ -285,9 +285,9 @@ class System:
         held = [self.lagrangian, *self.constraints, *self.forces.values()]
         held += [*self.fibration.relations, *(frame.definitions.values() if frame else ())]
         held += [e for body in self.bodies for e in body.expressions]
-        found = set().union(*map(functions_of_time, held))
-        found -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
-        return tuple(dict.fromkeys([*declared, *functions, *sorted(found, key=str)]))
+        undeclared = set().union(*map(functions_of_time, held))
+        undeclared -= {*self.coordinates, *(frame.ambient if frame is not None else ())}
+        return tuple(dict.fromkeys([*declared, *functions, *sorted(undeclared, key=str)]))
 
     @cached_property
     def memo(self) -> Memo:
@@ -406,11 +406,11 @@ class System:
 
 def _several_of(given: Any, name: str, kind: type, entry: str) -> tuple[Any, ...]:
     """Values of one class; the message of an error says how one is written."""
-    found = tuple(several(given, name, entry, kind))
-    for value in found:
+    values = tuple(several(given, name, entry, kind))
+    for value in values:
         if not isinstance(value, kind):
             raise DefinitionError(f"{name} holds '{quote(value)}'; write {entry}")
-    return found
+    return values
 
 
 def _expressions_of(given: Any, name: str, one: str, entry: str) -> Mapping[Any, sp.Expr]:
@@ -468,15 +468,15 @@ def spell_out(
     """Lagrangian, constraints and forces, with changes, without the quasi-velocities of a frame."""
     meaning = {} if frame is None else dict(zip(frame.velocities, frame.expressions, strict=True))
     names = ("lagrangian", "constraints", "forces")
-    own = {name: getattr(system, name) for name in names} | dict(changes or {})
+    parts = {name: getattr(system, name) for name in names} | dict(changes or {})
 
     def on(expr: Any) -> Any:
         return as_expression(expr).xreplace(meaning)
 
     return {
-        "lagrangian": on(own["lagrangian"]),
-        "constraints": tuple(map(on, own["constraints"])),
-        "forces": {q: on(e) for q, e in own["forces"].items()},
+        "lagrangian": on(parts["lagrangian"]),
+        "constraints": tuple(map(on, parts["constraints"])),
+        "forces": {q: on(e) for q, e in parts["forces"].items()},
     }
 
 
@@ -705,9 +705,9 @@ def check_frame(system: System) -> None:
             f"the frame has {len(system.frame.beside)} velocities beside its own, and the system "
             f"{len(system.constraints)} constraints; leave out those that no constraint gives"
         )
-    own = set(system.frame.definitions)
+    quasi = set(system.frame.definitions)
     for v, expr in system.frame.definitions.items():
-        used = sorted(map(plain_name, names_in(expr) & own))
+        used = sorted(map(plain_name, names_in(expr) & quasi))
         if used:
             raise DefinitionError(
                 f"the definition of '{plain_name(v)}' contains the quasi-velocity '{used[0]}'; "
@@ -834,8 +834,8 @@ def check_motion(system: System) -> None:
 
 def _check_symbols(system: System, motion: Quadratures) -> None:
     """Its own symbols are new, and its expressions hold none but known ones."""
-    own = {motion.x, *motion.constants}
-    for symbol in own:
+    fresh = {motion.x, *motion.constants}
+    for symbol in fresh:
         meaning = system.invariants.get(plain_name(symbol))
         taken = symbol in system.known_symbols()
         if taken or (meaning is not None and meaning != motion.variable.get(symbol)):
@@ -845,7 +845,7 @@ def _check_symbols(system: System, motion: Quadratures) -> None:
             )
     state, resting = {*system.known_symbols()} - {time}, {p.symbol for p in system.parameters}
     for what, expr, inside in motion.expressions():
-        known = {"state": state, "level": resting | own, "both": state | own}[inside]
+        known = {"state": state, "level": resting | fresh, "both": state | fresh}[inside]
         require_known(f"motion: {what}", expr, known)
 
 

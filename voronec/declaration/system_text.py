@@ -206,11 +206,11 @@ class _Text:
 
     def _velocities(self) -> dict[str, Item]:
         """The quasi-velocities, known from here on, with their formulas, still to be read."""
-        found = {}
+        velocities = {}
         for name, item in self._table("velocities").items():
             self._new(item, "a velocity")
-            found[name] = self._formula_item(item)
-        return found
+            velocities[name] = self._formula_item(item)
+        return velocities
 
     def _formula_item(self, item: Item) -> Item:
         """The formula of an entry: all of it, or what it ``is`` beside what it means."""
@@ -270,15 +270,15 @@ class _Text:
 
     def _condition(self, item: Item) -> Any:
         """A relation between parameters, such as ``3*A < 2*m*R^2``."""
-        found = RELATION.search(item.scalar())
-        if found is None:
+        sign = RELATION.search(item.scalar())
+        if sign is None:
             item.wrong('expected a relation with <, <=, > or >=, such as "A < 2*m*R^2"')
-        left, right = item.value[: found.start()], item.value[found.end() :]
+        left, right = item.value[: sign.start()], item.value[sign.end() :]
         sides = (
             self._read(item, left, 0, self.names),
-            self._read(item, right, found.end(), self.names),
+            self._read(item, right, sign.end(), self.names),
         )
-        return BETWEEN[found[0]](*sides)
+        return BETWEEN[sign[0]](*sides)
 
     def _read_value(self, item: Item) -> Any:
         return self._formula(self._formula_item(item))
@@ -314,10 +314,10 @@ class _Text:
             for name, s in self.names.items()
             if self.roles[name].startswith(("the velocity", "a velocity", "the rate"))
         }
-        found: dict[Any, Any] = {}
+        forces: dict[Any, Any] = {}
         for item in self._table("forces").values():
-            found[self._direction(item)] = self._formula(item, moving)
-        return found
+            forces[self._direction(item)] = self._formula(item, moving)
+        return forces
 
     def _direction(self, item: Item) -> Any:
         """What a force acts along: a coordinate, a velocity, or a combination of velocities."""

@@ -60,19 +60,19 @@ def read_table(path: Path, place: str) -> tuple[list[float], list[float]]:
         raise DefinitionError(
             f"{place}: '{path}' is no text of two columns; save it as CSV, in UTF-8"
         ) from None
-    found: tuple[list[float], list[float]] = [], []
+    columns: tuple[list[float], list[float]] = [], []
     for number, row in enumerate(rows, start=1):
         cells = [c.strip().replace(",", ".") if apart == ";" else c.strip() for c in row]
-        if not any(cells) or (not found[0] and not any(map(_is_number, cells))):
+        if not any(cells) or (not columns[0] and not any(map(_is_number, cells))):
             continue
         if len(cells) != 2:
             raise DefinitionError(
                 f"{place}: row {number} of '{path}' has {len(cells)} columns; give a "
                 "time and a value in each row, with a comma, a semicolon or a tab between them"
             )
-        for column, cell in zip(found, cells, strict=True):
+        for column, cell in zip(columns, cells, strict=True):
             column.append(_number(cell, f"{place}: row {number} of '{path}'"))
-    return found
+    return columns
 
 
 def _number(cell: str, place: str) -> float:

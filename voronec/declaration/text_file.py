@@ -81,9 +81,9 @@ class Item:
     def wrong_somewhere(self, what: str) -> NoReturn:
         """Refuse the text at the first of the words that a message quotes, else at its head."""
         for word in re.findall(r"'([^']+)'", what):
-            found = re.search(rf"(?<!\w){re.escape(word)}(?!\w)", self.source.text)
-            if found:
-                self.source.refuse(found.start(), what)
+            place = re.search(rf"(?<!\w){re.escape(word)}(?!\w)", self.source.text)
+            if place:
+                self.source.refuse(place.start(), what)
         self.source.refuse(0, what)
 
     def _start(self, offset: int) -> int:
@@ -103,14 +103,14 @@ class Item:
             self.wrong(
                 f"{self._location()}; expected a table, such as [{self.title}] or {{ a = 1 }}"
             )
-        found = {k: Item(v, (*self.keys, k), self.source) for k, v in self.value.items()}
-        for key, item in found.items() if known else ():
+        entries = {k: Item(v, (*self.keys, k), self.source) for k, v in self.value.items()}
+        for key, item in entries.items() if known else ():
             if key not in known:
                 item.wrong_key(
                     f"'{quote(key)}' means nothing "
                     f"{f'in {self.title}' if self.keys else 'here'}{did_you_mean(key, known)}"
                 )
-        return found
+        return entries
 
     def several(self) -> list[Item]:
         """The entries of an array; a single value stands for an array of it."""
@@ -181,14 +181,14 @@ def read_toml(path: Path) -> Item:
 
 def _refuse_syntax(source: _Source, message: str) -> NoReturn:
     """What ``tomllib`` says, with its place in front."""
-    found = _AT.search(message)
+    place = _AT.search(message)
     what = "not TOML: " + _AT.sub("", message)
-    if found is None or found[1] is None:
+    if place is None or place[1] is None:
         source.refuse(len(source.text), f"{what}; something is missing at the end")
     lines = source.text.split("\n")
-    before = sum(len(line) + 1 for line in lines[: int(found[1]) - 1])
+    before = sum(len(line) + 1 for line in lines[: int(place[1]) - 1])
     source.refuse(
-        before + int(found[2]) - 1,
+        before + int(place[2]) - 1,
         f'{what}; expected lines such as name = "my-system" or [parameters]',
     )
 

@@ -130,14 +130,14 @@ class BifurcationDiagram:
 
         ``DefinitionError`` where the level has no such component.
         """
-        found = self.level(x, y)
-        if not 0 <= component < found.count:
-            what = self._words(found.count) if self.is_integrable else f"{found.count} components"
+        level = self.level(x, y)
+        if not 0 <= component < level.count:
+            what = self._words(level.count) if self.is_integrable else f"{level.count} components"
             raise DefinitionError(
                 f"the level {self.axes[0]} = {float(x):g}, {self.axes[1]} = {float(y):g} of system "
                 f"'{self.system.name}' has {what}: there is no number {component}"
             )
-        points = found.points[found.labels == component]
+        points = level.points[level.labels == component]
         refusal: VoronecError | None = None
         for point in points[:: max(1, len(points) // TRIES)]:
             try:
@@ -188,27 +188,27 @@ class BifurcationDiagram:
     def lines(self) -> list[str]:
         """What is found, in words."""
         held = ", ".join(f"{name} = {value:.6g}" for name, value in self.held.items())
-        found = [f"{self.system.name}: {' against '.join(self.axes)}{f'; {held}' if held else ''}"]
+        told = [f"{self.system.name}: {' against '.join(self.axes)}{f'; {held}' if held else ''}"]
         if self.without_formula:
-            found.append(f"  without formulas, computed: {', '.join(self.without_formula)}")
+            told.append(f"  without formulas, computed: {', '.join(self.without_formula)}")
         for curve in self.curves:
             kinds = ", ".join(dict.fromkeys(curve.kinds.tolist()))
             ends = [f"({x:.5g}, {y:.5g})" for x, y in curve.values[[0, -1]]]
-            found.append(
+            told.append(
                 f"critical value {ends[0]}: {kinds}" if len(curve) == 1
                 else f"critical values from {ends[0]} to {ends[1]}: {kinds}"
             )  # fmt: skip
         for region in self.regions:
             x, y = region.place
             words = self._words(region.components)
-            found.append(f"region about ({x:.5g}, {y:.5g}): {words}, computed")
+            told.append(f"region about ({x:.5g}, {y:.5g}): {words}, computed")
         if not self.is_integrable:
             poles = "its coordinates have poles, declare invariants to have tori counted"
             why = poles if self.map.has_poles else "not shown to be integrable"
-            found.append(f"{why}: critical values only")
+            told.append(f"{why}: critical values only")
         for (x, y), motion in zip(self.steady_values, self.steady, strict=True):
-            found.append(f"{motion.kind} at ({x:.5g}, {y:.5g}): {motion.verdict}")
-        return found
+            told.append(f"{motion.kind} at ({x:.5g}, {y:.5g}): {motion.verdict}")
+        return told
 
     def as_dict(self) -> dict[str, Any]:
         """What JSON can hold of it."""
@@ -258,26 +258,26 @@ def bifurcation_diagram(
     Raises ``DefinitionError`` where the map is constant or has one integral alone, where the system
     depends on the time or its right side is not smooth, and for unknown names.
     """
-    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    model = system.system if isinstance(system, VoronecEquations) else require_system(system)
     named = [*map(plain_name, several(axes, "axes", "'energy'"))]
-    moving = [a for a in named if a in own.parameter_names]
-    found = integral_map_of(system, scene, parameters or {}, moving)
-    chosen, free = _choose(found, named)
-    held = _values_of_others(found, free, at or {})
-    rows = [*range(found.relations), *found.places([*held, *chosen])]
-    targets = np.array([0.0] * found.relations + [*held.values()])
-    window = _window(found, rows, targets, dict(between or {}), chosen)
-    points = CriticalPoints(found, tuple(rows), targets, window)
+    moving = [a for a in named if a in model.parameter_names]
+    mapping = integral_map_of(system, scene, parameters or {}, moving)
+    chosen, free = _choose(mapping, named)
+    held = _values_of_others(mapping, free, at or {})
+    rows = [*range(mapping.relations), *mapping.places([*held, *chosen])]
+    targets = np.array([0.0] * mapping.relations + [*held.values()])
+    window = _window(mapping, rows, targets, dict(between or {}), chosen)
+    points = CriticalPoints(mapping, tuple(rows), targets, window)
     curves = critical_curves(points, starts, seed)
-    raster = regions_of(points, curves) if _is_integrable(own, points) else None
+    raster = regions_of(points, curves) if _is_integrable(model, points) else None
     for more in range(1, MORE + 1):
         if raster is None or all(region.is_uniform for region in raster.regions):
             break  # else a curve was missed
         curves = critical_curves(points, starts, seed + more, curves)
         raster = regions_of(points, curves)
-    motions, values = _steady(own, found, held, chosen, parameters or {}, starts, seed)
+    motions, values = _steady(model, mapping, held, chosen, parameters or {}, starts, seed)
     return BifurcationDiagram(
-        own, (chosen[0], chosen[1]), held, dict(parameters or {}), points, tuple(curves), raster,
+        model, (chosen[0], chosen[1]), held, dict(parameters or {}), points, tuple(curves), raster,
         motions, values,
     )  # fmt: skip
 
@@ -351,8 +351,8 @@ def _window(
 def _is_integrable(system: System, points: CriticalPoints) -> bool:
     """Whether regular levels are curves, or surfaces with a proved measure of the motion, in
     variables that cover them once."""
-    own = points.map
-    if own.has_poles or any(n in system.parameter_names for n in own.constants):
+    mapping = points.map
+    if mapping.has_poles or any(n in system.parameter_names for n in mapping.constants):
         return False
     if points.dimension == 2:
         measure = system.measure
@@ -371,8 +371,8 @@ def _steady(
         motions = steady(system, at=held, parameters=parameters, starts=starts, seed=seed)
     except DefinitionError:
         return (), np.zeros((0, 2))
-    own = tuple(m for m in motions if not m.dimension and {*found.variables} >= {*m.point})
-    if not own:
+    isolated = tuple(m for m in motions if not m.dimension and {*found.variables} >= {*m.point})
+    if not isolated:
         return (), np.zeros((0, 2))
-    x = np.array([[m.point.get(n, 0.0) for n in found.variables] for m in own])
-    return own, found.jet(x, 0)[0][:, found.places(axes)]
+    x = np.array([[m.point.get(n, 0.0) for n in found.variables] for m in isolated])
+    return isolated, found.jet(x, 0)[0][:, found.places(axes)]

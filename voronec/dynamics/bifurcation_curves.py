@@ -79,8 +79,8 @@ class CriticalPoints:
             if len(self._recent) > RECENT:
                 self._recent.clear()
             units = self.map.units
-            found = self.map.jet((y[: len(units)] * units)[None], 2)
-            value, slope, second = (part[0, [*self.rows]] for part in found)
+            jet = self.map.jet((y[: len(units)] * units)[None], 2)
+            value, slope, second = (part[0, [*self.rows]] for part in jet)
             s = self.scales
             self._recent[key] = [value, slope * units / s[:, None],
                                  second * np.outer(units, units) / s[:, None, None]]  # fmt: skip
@@ -107,11 +107,11 @@ class CriticalPoints:
         n, (value, slope, second) = len(self.map.units), self.jets(y)
         weights, held = y[n:], len(self.targets)
         off = (value[:held] - self.targets) / self.scales[:held]
-        found = np.concatenate([weights @ slope, off, [weights @ weights - 1]])
-        slopes = np.zeros((len(found), len(y)))
+        residuals = np.concatenate([weights @ slope, off, [weights @ weights - 1]])
+        slopes = np.zeros((len(residuals), len(y)))
         slopes[:n, :n], slopes[:n, n:] = np.tensordot(weights, second, 1), slope.T
         slopes[n : n + held, :n], slopes[-1, n:] = slope[:held], 2 * weights
-        return found, slopes
+        return residuals, slopes
 
     def values(self, y: np.ndarray) -> np.ndarray:
         """The two integrals, from 0 to 1 in the window, and the angle of the curve's normal, by
@@ -150,35 +150,37 @@ class CriticalPoints:
         form = np.tensordot(y[len(self.map.units) :], second, 1)
         _, sizes, right = np.linalg.svd(slope)
         tangent = right[int((sizes > SMALL).sum()) :]
-        found = np.linalg.eigvalsh(tangent @ form @ tangent.T)
+        spectrum = np.linalg.eigvalsh(tangent @ form @ tangent.T)
         # on a critical torus of one dimension less than regular ones the form vanishes
-        found = found[np.argsort(np.abs(found))][self.dimension - 1 :]
-        if np.abs(found).min(initial=np.inf) < SMALL * np.abs(form).max():
+        spectrum = spectrum[np.argsort(np.abs(spectrum))][self.dimension - 1 :]
+        if np.abs(spectrum).min(initial=np.inf) < SMALL * np.abs(form).max():
             return "degenerate"
-        return "stable" if abs(np.sign(found).sum()) == len(found) else "saddle"
+        return "stable" if abs(np.sign(spectrum).sum()) == len(spectrum) else "saddle"
 
     def starts(self, count: int, seed: int) -> Iterator[np.ndarray]:
         """Critical points to which random starts lead."""
-        own, held, random = self.map, len(self.targets), np.random.default_rng(seed)
+        mapping, held, random = self.map, len(self.targets), np.random.default_rng(seed)
         # slow and fast, so that small values are met, too
-        x = own.random_points(8 * count, seed) * random.uniform(0.05, 1, size=(8 * count, 1))
-        x = own.project(x, self.rows[:held], self.targets[own.relations :])
-        values = (own.jet(x, 0)[0][:, [*self.rows[-2:]]] - self.window[:, 0]) / self.scales[-2:]
+        x = mapping.random_points(8 * count, seed) * random.uniform(0.05, 1, size=(8 * count, 1))
+        x = mapping.project(x, self.rows[:held], self.targets[mapping.relations :])
+        values = (mapping.jet(x, 0)[0][:, [*self.rows[-2:]]] - self.window[:, 0]) / self.scales[-2:]
         outside = np.maximum(-values, values - 1).max(axis=1, initial=0.0)
         tried = 0
         for point in x[np.argsort(outside, kind="stable")]:
             if tried == count:
                 return
             weights = random.normal(size=len(self.rows))
-            slope = own.jet(point[None])[1][0, [*self.rows]] * own.units / self.scales[:, None]
+            slope = (
+                mapping.jet(point[None])[1][0, [*self.rows]] * mapping.units / self.scales[:, None]
+            )
             weights = np.linalg.svd(slope.T)[2][-1] + 0.1 * weights
-            y = np.concatenate([point / own.units, weights / np.linalg.norm(weights)])
-            found = solve(self.conditions, y, np.ones(len(y)))
-            if found is not None and own.is_pole(found[: len(point)] * own.units):
+            y = np.concatenate([point / mapping.units, weights / np.linalg.norm(weights)])
+            critical = solve(self.conditions, y, np.ones(len(y)))
+            if critical is not None and mapping.is_pole(critical[: len(point)] * mapping.units):
                 continue
             tried += 1
-            if found is not None and np.hypot(*found[-2:]) > SMALL:
-                yield found
+            if critical is not None and np.hypot(*critical[-2:]) > SMALL:
+                yield critical
 
 
 def critical_curves(
@@ -186,7 +188,7 @@ def critical_curves(
 ) -> list[CriticalCurve]:
     """The curves in the window to which so many random starts lead, beside those that are known;
     isolated values are curves of one point."""
-    found, low, size = [*before], points.window[:, 0], points.scales[-2:]
+    curves, low, size = [*before], points.window[:, 0], points.scales[-2:]
     known = [np.column_stack([(c.values - low) / size, c.normals]) for c in before]
     for y in points.starts(starts, seed):
         value = points.values(y)
@@ -194,15 +196,15 @@ def critical_curves(
             continue
         if points.is_isolated(y):
             if not any(np.abs(value[:2] - path[:, :2]).max(axis=1).min() < SAME for path in known):
-                found.append(_curve(points, [y], ["isolated"]))
+                curves.append(_curve(points, [y], ["isolated"]))
                 known.append(value[None])
             continue
         there = _follow(points, y, 1.0, known)
         back = _follow(points, y, -1.0, [*known, _path(points, [y, *there])[3:]])
         ys = [*back[::-1], y, *there]
         known.append(_path(points, ys))
-        found.append(_curve(points, ys, [points.kind(z) for z in ys]))
-    shown = [c for c in found if (np.abs((c.values - low) / size - 0.5) <= 0.5).all(axis=1).any()]
+        curves.append(_curve(points, ys, [points.kind(z) for z in ys]))
+    shown = [c for c in curves if (np.abs((c.values - low) / size - 0.5) <= 0.5).all(axis=1).any()]
     return [c for c in shown if len(c) > 1 or not _ends_there(c, shown, size)]
 
 

@@ -68,17 +68,19 @@ def level_components(
     """The components of the level of which ``place`` (2,) are the values of the two integrals."""
     from scipy.spatial import cKDTree
 
-    own, count = points.map, SAMPLES.get(points.dimension, SAMPLES[2])
+    mapping, count = points.map, SAMPLES.get(points.dimension, SAMPLES[2])
     targets = [*points.targets, *place]
-    x = own.project(own.random_points(count, seed), points.rows, targets)
+    x = mapping.project(mapping.random_points(count, seed), points.rows, targets)
     if len(x) < 2:
         return LevelComponents(x, np.zeros(len(x), dtype=int))
     # once more, with the sizes that the variables have on the level
     sizes = np.sqrt((x**2).mean(axis=0))
-    units = np.maximum(sizes, 1e-3 * own.units)
-    units[own.angles] = 1.0
-    x = np.vstack([x, own.project(own.random_points(count, seed, units), points.rows, targets)])
-    there = own.spread(x, units)
+    units = np.maximum(sizes, 1e-3 * mapping.units)
+    units[mapping.angles] = 1.0
+    x = np.vstack(
+        [x, mapping.project(mapping.random_points(count, seed, units), points.rows, targets)]
+    )
+    there = mapping.spread(x, units)
     near = cKDTree(there).query(there, min(3, len(x)))[1]
     tried = np.unique([sorted((i, j)) for i, row in enumerate(near) for j in row[1:]], axis=0)
     joined = tried[_are_joined(points, x[tried[:, 0]], x[tried[:, 1]], targets, units)]
@@ -124,22 +126,22 @@ def _are_joined(
 ) -> np.ndarray:  # fmt: skip
     """Which points of a level (p, n) are reached from which on it, by short steps along it towards
     them, in units of the level."""
-    own, here = points.map, a.copy()
-    length = np.linalg.norm(own.difference(a, b) / units, axis=1) / WALK
+    mapping, here = points.map, a.copy()
+    length = np.linalg.norm(mapping.difference(a, b) / units, axis=1) / WALK
     joined, todo = np.zeros(len(a), dtype=bool), np.arange(len(a))
     for _ in range(4 * WALK):
-        way = own.difference(here[todo], b[todo]) / units
+        way = mapping.difference(here[todo], b[todo]) / units
         near = np.linalg.norm(way, axis=1) < 1.1 * length[todo]
         joined[todo[near]] = True
         todo, way = todo[~near], way[~near]
         if not len(todo):
             break
-        slopes = own.jet(here[todo])[1][:, [*points.rows]] * units
+        slopes = mapping.jet(here[todo])[1][:, [*points.rows]] * units
         across = np.linalg.pinv(slopes) @ (slopes @ way[..., None])
         along = way - across[..., 0]
         pace = length[todo] / np.maximum(np.linalg.norm(along, axis=1), 1e-300)
         ahead = here[todo] + units * along * pace[:, None]
-        here[todo], met = own.settle(ahead, points.rows, targets)
+        here[todo], met = mapping.settle(ahead, points.rows, targets)
         met &= np.linalg.norm((here[todo] - ahead) / units, axis=1) < length[todo]
         todo = todo[met]
     return joined
@@ -173,10 +175,10 @@ def regions_of(points: CriticalPoints, curves: Sequence[Any]) -> Raster:
         cells = np.floor((1 - steps) * way[:-1] + steps * way[1:]).reshape(-1, 2).astype(int)
         cells = cells[(cells >= 0).all(axis=1) & (cells < CELLS).all(axis=1)]
         free[*cells.T] = False
-    found, count = ndimage.label(free)
+    pieces, count = ndimage.label(free)
     labels, regions = np.full(free.shape, -1), list[DiagramRegion]()
     for k in range(1, count + 1):
-        inside = found == k
+        inside = pieces == k
         if inside.sum() < FEWEST:
             continue
         labels[inside] = len(regions)

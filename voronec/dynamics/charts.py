@@ -55,7 +55,7 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
     given = curve_of(motion, x_name, several(hold, "hold", "name"), (y_name,))
     curve, begin = given.curve, given.begin
     equations, exprs = curve.equations, dict(curve.equations.held)
-    found = np.full((len(ys), len(xs)), -1)
+    counts = np.full((len(ys), len(xs)), -1)
     here = curve.value(begin), float(equations.targets[y_name])
     order = sorted(
         np.ndindex(len(ys), len(xs)),
@@ -74,8 +74,8 @@ def chart(motion: Any, x: Any, y: Any, count: int, hold: Any) -> SteadyChart:
             points[i, j], matrices[i, j] = solution, node.matrix(solution)
     deflation = Deflation.of_family([*matrices.values()])
     for place, matrix in matrices.items():
-        found[place] = unstable_count(deflation.eigenvalues(matrix))
-    return SteadyChart(motion.system, x_name, y_name, xs, ys, found, given.held)
+        counts[place] = unstable_count(deflation.eigenvalues(matrix))
+    return SteadyChart(motion.system, x_name, y_name, xs, ys, counts, given.held)
 
 
 def _axis(given: Any, which: str, count: int) -> tuple[str, np.ndarray]:

@@ -62,32 +62,32 @@ def follow(
     ``progress`` is called with the quantity at each.  Raises ``EngineLimit`` where no curve leads
     through the start.
     """
-    units, found = curve.units, list[np.ndarray]()
+    units, points = curve.units, list[np.ndarray]()
     y, t = start, curve.tangent(start, curve.slope(start) * units**2)
     if t is None:
         raise EngineLimit("the solution is isolated: no family leads on from it")
     t = sign * t
     first = length = _length(curve, y, t, step, longest)
-    while len(found) < most:
+    while len(points) < most:
         ahead = curve.onto(y + length * t, t)
         new = None if ahead is None else curve.tangent(ahead, t)
         if ahead is None or new is None or (new / units) @ (t / units) < TURN:
             length /= 2
             if length < SHORTEST * first:
-                return found, "it cannot be followed any further"
+                return points, "it cannot be followed any further"
             continue
         change, value = float(curve.slope(y) @ t) * length, curve.value(ahead)
         edge = span[change > 0] if span[0] <= value <= span[1] else span[value > span[1]]
         if abs(edge - value) < abs(change) / 2 or not span[0] <= value <= span[1]:
             last = curve.at_value(edge, ahead)
             if last is not None or not span[0] <= value <= span[1]:
-                return [*found, *([] if last is None else [last])], COMPLETE
+                return [*points, *([] if last is None else [last])], COMPLETE
         y, t = ahead, new
         length = min(2 * length, _length(curve, y, t, step, longest))
-        found.append(y)
+        points.append(y)
         if progress is not None:
             progress(value)
-    return found, f"{most} points were made"
+    return points, f"{most} points were made"
 
 
 def _length(
@@ -100,10 +100,10 @@ def _length(
 
 def between(curve: ContinuationCurve, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
     """The point of the curve at a share of the chord from a to b, two of its points."""
-    found = curve.onto(a + share * (b - a), b - a)
-    if found is None:
+    point = curve.onto(a + share * (b - a), b - a)
+    if point is None:
         raise EngineLimit("a family cannot be followed between two of its points")
-    return found
+    return point
 
 
 def root_between(

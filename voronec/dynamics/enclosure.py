@@ -42,9 +42,9 @@ def enclosed_on_right(
                 return None
             slopes = equations.slopes_in_balls(box, BITS)
             coefficients = characteristic(slopes, equations.size, 0)
-            found = root_on_right(coefficients, near, BITS)
-            if found is not None:
-                return f"an eigenvalue is {found.str(12)}"
+            root = root_on_right(coefficients, near, BITS)
+            if root is not None:
+                return f"an eigenvalue is {root.str(12)}"
             # with no root on the right all coefficients would have the sign of the first; this
             # proves eigenvalues that are double
             below = next((k for k, c in enumerate(coefficients) if c < 0), None)
@@ -99,9 +99,9 @@ def identical_zeros(equations: SteadyEquations, zero: Sequence[int]) -> list[boo
 
     derivative = equations.rates.derivative
     for name, expr in derivative.assignments:
-        found = on(expr)
-        if not found.args:
-            values[name] = found
+        reduced = on(expr)
+        if not reduced.args:
+            values[name] = reduced
     rates = [on(e) == 0 for e in derivative.results]
     relations = [se.expand(on(e)) == 0 for e in equations.formulation.relations]
     known = {se.Symbol(n): as_symengine(x) for n, x in equations.values.items() if x is not None}
@@ -147,12 +147,12 @@ def krawczyk(
     unit = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     off = flint.arb_mat(n, 1, [box[j] - middle[j] for j in columns])
     moved = (unit - inverse * around) * off - step
-    found = [*middle]
+    solution = [*middle]
     for j, m, before in zip(columns, moved.entries(), off.entries(), strict=True):
         if not before.contains_interior(m):
             return None
-        found[j] = middle[j] + m
-    return found
+        solution[j] = middle[j] + m
+    return solution
 
 
 def _block(slopes: Any, rows: Sequence[int], columns: Sequence[int]) -> Any:

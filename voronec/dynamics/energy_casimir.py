@@ -126,8 +126,8 @@ class _Extremum:
             box = krawczyk(function, start, places, places)
             if box is None:
                 return None
-            found = function.slopes_in_balls(box, BITS)
-            if not self._is_convex(found, [(n + k, float(sizes[k])) for k in held]):
+            hessian = function.slopes_in_balls(box, BITS)
+            if not self._is_convex(hessian, [(n + k, float(sizes[k])) for k in held]):
                 return None
         terms = zip(multipliers, multipliers / sizes, self.constants, strict=True)
         shown = (f"{m:.6g} ({name})" for size, m, name in terms if abs(size) > RANK and m != 0)
@@ -157,15 +157,15 @@ def _definite_sum(forms: Sequence[np.ndarray]) -> np.ndarray | None:
     if not forms[0].size:
         return np.zeros(count)
     cuts = [v for form in forms for v in np.linalg.eigh(form)[1].T]
-    best, found = RANK, None
+    best, weights = RANK, None
     for _ in range(PLANES):
         rows = [[*(-(v @ form @ v) for form in forms), 1.0] for v in cuts]
         bounds = [(-1.0, 1.0)] * count + [(None, None)]
         plan = linprog([0.0] * count + [-1.0], rows, np.zeros(len(rows)), bounds=bounds)
         least, vectors = np.linalg.eigh(np.tensordot(plan.x[:-1], forms, 1))
         if least[0] > best:
-            best, found = least[0], plan.x[:-1]
+            best, weights = least[0], plan.x[:-1]
         if plan.x[-1] <= RANK or least[0] > plan.x[-1] / 2:
             break
         cuts.append(vectors[:, 0])
-    return found
+    return weights

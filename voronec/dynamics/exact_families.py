@@ -82,11 +82,11 @@ class _Letters:
         back = {sp.Symbol(str(x)): f._sympy_() for f, x in self.names.items()}
         letters = [back.get(s, s) for s in map(sp.Symbol, self.ring.names())]
         terms = poly.to_dict().items()
-        found = sp.Integer(0)
+        total = sp.Integer(0)
         for m, c in terms:
             powers = [x**k for x, k in zip(letters, m, strict=True)]
-            found += sp.Rational(int(c.p), int(c.q)) * sp.Mul(*powers)
-        return found
+            total += sp.Rational(int(c.p), int(c.q)) * sp.Mul(*powers)
+        return total
 
     def moves(self, poly: Any) -> bool:
         """Whether a polynomial holds states."""
@@ -129,10 +129,12 @@ class ExactFamily:
         top = sp.fraction(sp.together(whole.det(method="berkowitz")))[0]
         poly = sp.Poly(sp.expand(top), unknown)
         read = (self.letters.read(se.sympify(c)) for c in reversed(poly.all_coeffs()))
-        found = [reduce_by(c, self.basis) for c in read]
-        while found and found[0] == 0:
-            found.pop(0)
-        return tuple(sp.factor(self.letters.write(c)) if c != 0 else sp.Integer(0) for c in found)
+        coefficients = [reduce_by(c, self.basis) for c in read]
+        while coefficients and coefficients[0] == 0:
+            coefficients.pop(0)
+        return tuple(
+            sp.factor(self.letters.write(c)) if c != 0 else sp.Integer(0) for c in coefficients
+        )
 
     @cached_property
     def zero(self) -> tuple[str, ...]:
@@ -189,13 +191,13 @@ class ExactFamily:
         edges = {r for c in factors for e in (c[0], c[-1], _critical_condition(c)[1]) if e.has(x)
                  for r in sp.Poly(e, x).real_roots()}  # fmt: skip
         ends = [-sp.oo, *sorted(edges), sp.oo]
-        found = [
+        parts = [
             ExactRange(a, b, _on_right(poly.eval(x, _inside(a, b)))) for a, b in pairwise(ends)
         ]
-        for i in reversed(range(1, len(found))):  # what changes nothing is no end
-            if found[i - 1].unstable == found[i].unstable:
-                found[i - 1 : i + 1] = [found[i - 1]._replace(high=found[i].high)]
-        return tuple(found)
+        for i in reversed(range(1, len(parts))):  # what changes nothing is no end
+            if parts[i - 1].unstable == parts[i].unstable:
+                parts[i - 1 : i + 1] = [parts[i - 1]._replace(high=parts[i].high)]
+        return tuple(parts)
 
 
 class ExactRange(NamedTuple):
@@ -208,8 +210,8 @@ class ExactRange(NamedTuple):
 
 def exact_value(value: Any) -> sp.Expr:
     """A value as it was given, of a float the fraction that it is."""
-    found = as_expression(value)
-    return sp.Rational(found) if found.is_Float else found
+    exact = as_expression(value)
+    return sp.Rational(exact) if exact.is_Float else exact
 
 
 def _critical_condition(c: Sequence[sp.Expr]) -> tuple[str, sp.Expr]:
@@ -235,15 +237,15 @@ def _inside(low: sp.Expr, high: sp.Expr) -> sp.Rational:
 def _on_right(poly: sp.Poly) -> int:
     """How many roots of a polynomial lie right of the imaginary axis, enclosed by flint."""
     numbers = [int(c) for c in poly.clear_denoms()[1].all_coeffs()[::-1]]
-    found = 0
+    count = 0
     for factor, power in flint.fmpz_poly(numbers).factor()[1]:
         c = factor.coeffs()
         if any(c[1::2]):  # no root lies on the axis
-            found += power * sum(root.real > 0 for root, _ in factor.complex_roots())
+            count += power * sum(root.real > 0 for root, _ in factor.complex_roots())
         else:
             squares = flint.fmpz_poly(c[::2]).complex_roots()
-            found += power * sum(not (s.imag == 0 and s.real <= 0) for s, _ in squares)
-    return found
+            count += power * sum(not (s.imag == 0 and s.real <= 0) for s, _ in squares)
+    return count
 
 
 def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
@@ -270,15 +272,15 @@ def exact_families(equations: SteadyEquations) -> tuple[ExactFamily, ...]:
     start = [letters.read(e) for e in tops] + circles
     if sum(len(p.monoms()) for p in start) > TERMS:
         raise EngineLimit(f"the equations of steady motions have more than {TERMS} terms")
-    found = [
+    branches = [
         (basis, dimension)
         for basis in _branches(start, letters)
         if (dimension := _dimension(basis, divisors, letters)) is not None
         and not any(reduce_by(d, basis) == 0 for d in divisors)
     ]
-    found.sort(key=lambda pair: -pair[1])
+    branches.sort(key=lambda pair: -pair[1])
     kept: list[tuple[list[Any], int]] = []
-    for basis, dimension in found:
+    for basis, dimension in branches:
         if not any(all(reduce_by(p, basis) == 0 for p in other) for other, _ in kept):
             kept.append((basis, dimension))
     matrices = _matrices(rates, force, mass, states, equations.size)
@@ -327,13 +329,13 @@ def _dimension(basis: Sequence[Any], divisors: Sequence[Any], letters: _Letters)
     ring = flint.fmpq_mpoly_ctx.get([*letters.states, INVERSE], flint.Ordering.degrevlex)
     special = []
     for poly in (*basis, *divisors):
-        found: dict[tuple[int, ...], Any] = {}
+        terms: dict[tuple[int, ...], Any] = {}
         for m, c in poly.to_dict().items():
             for value, power in zip(values, m[count:], strict=True):
                 c *= value ** int(power)
             key = (*map(int, m[:count]), 0)
-            found[key] = found.get(key, flint.fmpq(0)) + c
-        special.append(ring.from_dict({m: c for m, c in found.items() if c != 0}))
+            terms[key] = terms.get(key, flint.fmpq(0)) + c
+        special.append(ring.from_dict({m: c for m, c in terms.items() if c != 0}))
     whole = ring.gens()[-1]  # the inverse of the product of all divisors
     for divisor in special[len(basis) :]:
         whole *= divisor
@@ -359,6 +361,6 @@ def _matrices(
     for i in range(n):
         for j in range(n):
             left[k + i, k + j] = se.sympify(mass[i][j])._sympy_()
-    own = states[:size]
-    slopes = [[e.diff(x)._sympy_() for x in own] for e in (*rates, *force)]
+    variables = states[:size]
+    slopes = [[e.diff(x)._sympy_() for x in variables] for e in (*rates, *force)]
     return left, sp.Matrix(slopes)

@@ -129,7 +129,7 @@ class Exponents:
         if i in self.errors:
             return [str(self.errors[i])]
         digits = max(0, min(12, 1 - int(np.floor(np.log10(max(self.bars[i].min(), 1e-12))))))
-        found = [
+        rows = [
             f"{x:+.{digits}f} +- {b:.1g}{'  zero' if abs(x) <= b else ''}"
             for x, b in zip(self.values[i], self.bars[i], strict=True)
         ]
@@ -146,7 +146,7 @@ class Exponents:
             flipped = [n for n, s in zip(self.variables, self.reversal, strict=True) if s < 0]
             told.append(f"reversed by the signs of {', '.join(flipped)}; in pairs to "
                         f"{self.pair_defects[i]:.2g}")  # fmt: skip
-        return found + told
+        return rows + told
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the exponents to ``path``, as ``Trajectory.save`` does."""
@@ -163,7 +163,7 @@ class Exponents:
     def _arrays(self) -> NamedArrays:
         from voronec.motion.storage import NamedArrays, of_motions, variables_of
 
-        own: dict[str, Any] = {
+        arrays: dict[str, Any] = {
             "exponent": (("motion", "place"), self.values),
             "bar": (("motion", "place"), self.bars),
             "settled": (("motion",), self.is_settled),
@@ -171,7 +171,7 @@ class Exponents:
         }
         each = of_motions(len(self), self.errors, {}, drift={})
         return NamedArrays.of(
-            self.system, "Exponents", variables_of(own, each), ("motion", "place"),
+            self.system, "Exponents", variables_of(arrays, each), ("motion", "place"),
             ("motion", "place", "exponent", "bar"), interrupted=self.interrupted,
         )  # fmt: skip
 
@@ -241,11 +241,11 @@ def exponents(
         if not good:
             raise DefinitionError(f"exponents: {name}={value}: give a number above 0"
                                   + (f", up to {n}" if name == "count" else ""))  # fmt: skip
-    found, flow = _blank(space, count or n), space.flow(count)
+    spectra, flow = _blank(space, count or n), space.flow(count)
     errors, asked, interrupted = dict(space.motions.wrong), 0.0, False
     for i in space.motions.sound:
         try:
-            asked = _fill(found, i, space, flow, bar, until, tol)
+            asked = _fill(spectra, i, space, flow, bar, until, tol)
         except VoronecError as error:
             errors[i] = error
         except KeyboardInterrupt:
@@ -255,7 +255,7 @@ def exponents(
             progress((i + 1) / len(space.motions))
     if len(space.motions) == 1 and errors:
         raise errors[0]
-    return replace(found, errors=errors, bar=asked, seconds=perf_counter() - began,
+    return replace(spectra, errors=errors, bar=asked, seconds=perf_counter() - began,
                    interrupted=interrupted)  # fmt: skip
 
 
@@ -281,14 +281,14 @@ def _fill(
     pace = pace or float(np.abs(rates / units).max()) or 1.0
     asked, latest = bar or SHARE * pace, until or LONGEST / pace
     state = flow.start(x, units=units)
-    own = _Stretches.along(flow, state, values, tol, asked, latest)
-    order = np.argsort(-own.value, kind="stable")
-    found.values[i], found.bars[i] = own.value[order], own.bar[order]
-    found.is_settled[i] = bool((own.bar <= asked).all())
+    stretches = _Stretches.along(flow, state, values, tol, asked, latest)
+    order = np.argsort(-stretches.value, kind="stable")
+    found.values[i], found.bars[i] = stretches.value[order], stretches.bar[order]
+    found.is_settled[i] = bool((stretches.bar <= asked).all())
     rates, _ = flow.rates(state.x, values)  # of a motion that has come to rest there are none
     moves = not space.is_driven and bool((np.abs(rates) > tol * pace * units).any())
     found.least_zeros[i] = space.rank(state.x, values) + moves
-    found.divergence[i], found.time[i] = own.divergence, state.time
+    found.divergence[i], found.time[i] = stretches.divergence, state.time
     first, _ = space.constants_at(x, values)
     last, slopes = space.constants_at(state.x, values)
     sizes = np.abs(slopes) @ np.maximum(np.abs(state.x), units)
@@ -320,9 +320,9 @@ class _Stretches:
                 raise flow.failure(state)
             sums.append(np.array([*state.logs, state.divergence]))
             if len(sums) > enough or state.time >= latest:
-                found = cls.of(np.array(sums), length)
-                if state.time >= latest or (found.bar <= asked).all():
-                    return found
+                stretches = cls.of(np.array(sums), length)
+                if state.time >= latest or (stretches.bar <= asked).all():
+                    return stretches
                 enough = int(LATER * enough)
 
     @classmethod

@@ -181,12 +181,12 @@ class SteadyFamily:
     def logarithmic_poles(self) -> tuple[float, ...]:
         """About where the curve passes over points at which a logarithm has no value."""
         arguments = self.curve.equations.logarithms
-        found = set[float]()
+        poles = set[float]()
         for (a, b), (x, y) in zip(pairwise(self.points), pairwise(self.values), strict=True):
             low, high = arguments.at(a)[0], arguments.at(b)[0]
             passed = low * high < 0
-            found |= {*(x + (y - x) * low[passed] / (low - high)[passed]).tolist()}
-        return tuple(map(self._without_rounding, sorted(found)))
+            poles |= {*(x + (y - x) * low[passed] / (low - high)[passed]).tolist()}
+        return tuple(map(self._without_rounding, sorted(poles)))
 
     def _values_at_roots(self, measure: Callable[..., float]) -> Iterator[float]:
         """The values at which a function of a point, the point before it and the direction between
@@ -211,27 +211,27 @@ class SteadyFamily:
         verdict on a motion in its middle."""
         edges = [0, *(k + 1 for k in self._changes), len(self)]
         ends = [self.values[0], *(c and c.value for c in self._changes.values()), self.values[-1]]
-        found = []
+        parts = []
         for (i, j), (begin, end) in zip(pairwise(edges), pairwise(ends), strict=True):
             begin, end = (float(self.values[k]) if x is None else float(x)
                           for x, k in ((begin, i), (end, j - 1)))  # fmt: skip
             middle = (i + j) // 2
             motion = self._motion_at(float(self.values[middle]), self.points[middle])
-            found.append(StabilityRange(begin, end, int(self.unstable[middle]), motion))
-        return tuple(found)
+            parts.append(StabilityRange(begin, end, int(self.unstable[middle]), motion))
+        return tuple(parts)
 
     @cached_property
     def _changes(self) -> dict[int, Critical | None]:
         """Behind which points the number of eigenvalues on the right changes, and the critical
         value there, where it is located."""
-        found = dict[int, Critical | None]()
+        changes = dict[int, Critical | None]()
         for k in map(int, np.flatnonzero(np.diff(self.unstable))):
             # a point may lie on the critical value itself: then its neighbours tell
             ends = ((i, j) for i, j in ((k, k + 1), (k - 1, k + 1), (k, k + 2))
                     if i >= 0 and j < len(self))  # fmt: skip
             tries = (self._critical(k, self.points[[i, j]]) for i, j in ends)
-            found[k] = next((c for c in tries if c is not None), None)
-        return found
+            changes[k] = next((c for c in tries if c is not None), None)
+        return changes
 
     def _critical(self, k: int, between: np.ndarray) -> Critical | None:
         """The critical value between the points k and k + 1, looked for between two of the curve
@@ -289,11 +289,11 @@ class SteadyFamily:
         motion = self._motion_at(value, near)
         exact = polish(motion.equations, motion.y, CRITICAL_BITS)
         slopes = motion.equations.slopes_in_balls(exact, CRITICAL_BITS)
-        found = characteristic(slopes, motion.equations.size, self.deflation.zeros)
-        found = [c.mid() for c in found]
+        coefficients = characteristic(slopes, motion.equations.size, self.deflation.zeros)
+        coefficients = [c.mid() for c in coefficients]
         if way == "real":
-            return to_mpf(found[0])
-        return to_mpf(hurwitz(found) if way == "pair" else discriminant(found[::2]))
+            return to_mpf(coefficients[0])
+        return to_mpf(hurwitz(coefficients) if way == "pair" else discriminant(coefficients[::2]))
 
     def at(self, value: Any) -> Any:
         """The motion with a value of the quantity, on the curve nearest to its beginning."""
@@ -376,8 +376,8 @@ class SolutionCurve:
 
     def slope(self, y: np.ndarray) -> np.ndarray:
         """Its gradient (n,)."""
-        found: np.ndarray = self.equations.at(y)[1][-1]
-        return found
+        gradient: np.ndarray = self.equations.at(y)[1][-1]
+        return gradient
 
     def tangent(self, y: np.ndarray, ahead: np.ndarray) -> np.ndarray:
         """The tangent (n,) on the side of ``ahead``, of length one in the units."""
@@ -487,10 +487,10 @@ def _towards(
     """The first point of the curve in the span."""
     sign = 1.0 if target > begin else -1.0
     span = (min(begin, target), max(begin, target))
-    found, why = follow(curve, start, sign, span, abs(target - begin) / 20, 400, LONGEST)
+    points, why = follow(curve, start, sign, span, abs(target - begin) / 20, 400, LONGEST)
     if why != COMPLETE:
         raise DefinitionError(
             f"the family does not reach {name} = {target:g}: from {begin:g} on, {why}; give "
             "another span"
         )
-    return found[-1]
+    return points[-1]

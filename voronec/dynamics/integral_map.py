@@ -103,14 +103,14 @@ class IntegralMap:
         m, n = x.shape
         program, places = self._programs[order]
         with np.errstate(all="ignore"):
-            found = compile_program(program)[1](np.float64(0.0), [*x.T], [])
+            entries = compile_program(program)[1](np.float64(0.0), [*x.T], [])
         jets = [np.zeros((m, len(self.constants), *(n,) * k)) for k in range(order + 1)]
-        for place, value in zip(places, found, strict=True):
+        for place, value in zip(places, entries, strict=True):
             index: Any = (slice(None), *place)
             jets[len(place) - 1][index] = value
         if self.carried is not None:
-            own = self.carried.jet(x, order)
-            for k, values in enumerate(own):
+            carried = self.carried.jet(x, order)
+            for k, values in enumerate(carried):
                 jets[k][:, len(self.formulas) :] = values
         return jets
 
@@ -156,11 +156,11 @@ class IntegralMap:
         it depends on them."""
         known = {se.Symbol(n): float(v[0]) for n, v in self.phase.motions.parameters.items()}
         entries = [e.xreplace(known) for row in self.flow.mass for e in row]
-        own, size = [*map(se.Symbol, self.variables)], len(self.flow.mass)
+        symbols, size = [*map(se.Symbol, self.variables)], len(self.flow.mass)
         held = {s for e in entries for s in e.free_symbols}
-        if self.flow.level != "coordinates" or not held or not held <= {*own}:
+        if self.flow.level != "coordinates" or not held or not held <= {*symbols}:
             return None
-        mass = se.Lambdify(own, entries)
+        mass = se.Lambdify(symbols, entries)
 
         def volume(x: np.ndarray) -> float:
             return abs(float(np.linalg.det(np.reshape(mass(x), (size, size)))))
@@ -193,8 +193,8 @@ class IntegralMap:
         """The points (m', n) of a level to which those of x (m, n) lead by Newton's method, in the
         least steps; those that lead to none are left out.  The last of the ``rows`` have the values
         of ``targets``, those before them, relations, are zero."""
-        found, met = self.settle(x, rows, targets)
-        return found[met]
+        points, met = self.settle(x, rows, targets)
+        return points[met]
 
     def settle(
         self, x: np.ndarray, rows: Sequence[int], targets: Any
@@ -228,23 +228,23 @@ class IntegralMap:
         """A start of the system, coordinates and velocities by name, at a point (n,)."""
         from scipy.optimize import least_squares
 
-        own = dict(zip(self.variables, x.tolist(), strict=True))
-        velocities = {str(v): own[str(v)] for v in self.flow.velocities}
+        state = dict(zip(self.variables, x.tolist(), strict=True))
+        velocities = {str(v): state[str(v)] for v in self.flow.velocities}
         system = self.phase.system
         begin = self.phase.motions.full[0][: len(system.coordinates)]
         names = [plain_name(q) for q in system.coordinates]
         if self.flow.level == "coordinates":
-            given = {n: own.get(n, b) for n, b in zip(names, begin.tolist(), strict=True)}
+            given = {n: state.get(n, b) for n, b in zip(names, begin.tolist(), strict=True)}
             return {**given, **velocities}
         definitions = Motions.of(self.phase.motions.namespace.equations).reduction.definitions
         function = sp.lambdify(system.coordinates, definitions, "numpy")
-        aim = np.array([own[str(g)] for g in self.flow.positions])
+        aim = np.array([state[str(g)] for g in self.flow.positions])
         random = np.random.default_rng(1)
         for k in range(20):
             near = begin + (k > 0) * random.normal(size=len(begin))
-            found = least_squares(lambda q: np.array(function(*q), float) - aim, near, xtol=1e-15)
-            if np.abs(found.fun).max() < 1e-9:
-                return {**dict(zip(names, found.x.tolist(), strict=True)), **velocities}
+            fit = least_squares(lambda q: np.array(function(*q), float) - aim, near, xtol=1e-15)
+            if np.abs(fit.fun).max() < 1e-9:
+                return {**dict(zip(names, fit.x.tolist(), strict=True)), **velocities}
         raise DefinitionError(
             f"system '{system.name}': its coordinates are singular at this point of the level; "
             "take another one"
@@ -280,9 +280,9 @@ class CarriedIntegrals:
 
             def field(z: np.ndarray) -> np.ndarray:
                 parts = slope(np.float64(0.0), [z[..., i] for i in range(width)], [])
-                found = np.stack([np.broadcast_to(f, step.shape) for f in parts], axis=-1)
-                signs.append(np.sign(found[..., width:].real))
-                return step[..., None] * found[..., :width]
+                entries = np.stack([np.broadcast_to(f, step.shape) for f in parts], axis=-1)
+                signs.append(np.sign(entries[..., width:].real))
+                return step[..., None] * entries[..., :width]
 
             def weighted_sum(row: np.ndarray, stages: list[Any]) -> Any:
                 return sum(a * k for a, k in zip(row, stages, strict=False) if a)
@@ -304,9 +304,9 @@ class CarriedIntegrals:
             return [self.values(x)]
         nudges = [np.zeros((1, n)), *((NUDGE * np.eye(n), -NUDGE * np.eye(n)) if order > 1 else ())]
         points = x[:, None] + np.concatenate(nudges)
-        found = self.values(points[:, :, None] + 1e-30j * np.eye(n))
-        slopes = found.imag.transpose(0, 1, 3, 2) / 1e-30
-        jets = [found[:, 0, 0].real, slopes[:, 0]]
+        values = self.values(points[:, :, None] + 1e-30j * np.eye(n))
+        slopes = values.imag.transpose(0, 1, 3, 2) / 1e-30
+        jets = [values[:, 0, 0].real, slopes[:, 0]]
         if order > 1:
             second = (slopes[:, 1 : n + 1] - slopes[:, n + 1 :]) / (2 * NUDGE)
             jets.append(second.transpose(0, 2, 3, 1))
@@ -328,20 +328,20 @@ def integral_map_of(
             f"system '{phase.system.name}' depends on the time: its integrals have no levels"
         )
     equations = phase.motions.namespace.equations
-    motions, own = Motions.of(equations), equations.system
-    functions = {n: right_of(own.integrals[n]) for n in phase.constants if n in own.integrals}
+    motions, model = Motions.of(equations), equations.system
+    functions = {n: right_of(model.integrals[n]) for n in phase.constants if n in model.integrals}
     try:
-        flow = motions.on_invariants if own.invariants else motions.on_coordinates
+        flow = motions.on_invariants if model.invariants else motions.on_coordinates
         read = {name: flow.read(f) for name, f in functions.items()}
     except VoronecError:
         flow = motions.on_coordinates
         read = {name: flow.read(f) for name, f in functions.items()}
         read = dict(zip(read, canonical([*read.values()], flow.relations), strict=True))
-    known = [p.name for p in own.parameters]
+    known = [p.name for p in model.parameters]
     kept = _variables_of(flow, [*read.values()])
     relations, formulas, more = _lift(motions, flow, [*read.values()])
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
-    values = {se.Symbol(n): _exact(own, n, x) for n, x in numbers.items() if n not in moving}
+    values = {se.Symbol(n): _exact(model, n, x) for n, x in numbers.items() if n not in moving}
     states = (*kept, *more, *map(se.Symbol, moving))
     start = _start(phase, flow, kept, more, motions, [numbers[n] for n in moving])
     carried = None if moving or is_long(equations) else _carry(flow, states, values, start)
@@ -350,8 +350,9 @@ def integral_map_of(
     names = (*(f"relation {i + 1}" for i in range(len(relations))), *read, *moving)
     if not read and carried is None:
         raise DefinitionError(
-            f"system '{own.name}': none of its integrals is proved to be one, so that the integral "
-            "map is constant; declare integrals, or search for them: voronec search integrals"
+            f"system '{model.name}': none of its integrals is proved to be one, so that the "
+            "integral map is constant; declare integrals, or search for them: voronec search "
+            "integrals"
         )
     size = max((abs(x) for x, s in zip(start, states, strict=True) if s in flow.velocities),
                default=1.0) or 1.0  # fmt: skip
@@ -395,16 +396,16 @@ def _lift(
     for name, meaning in (frame.beside if frame and flow.level == "invariants" else {}).items():
         try:
             on_home = motions.on_coordinates.read(meaning)
-            found = in_invariants(motions.equations, [on_home])[0]
+            image = in_invariants(motions.equations, [on_home])[0]
         except VoronecError:
             continue
-        if found is None:
+        if image is None:
             continue
-        below = {p.args[0] for p in _powers(se.expand(found))}
+        below = {p.args[0] for p in _powers(se.expand(image))}
         if not below:
             continue
         divisor, w = se.Mul(*below), se.Symbol(plain_name(name))
-        above = se.expand(found * divisor)
+        above = se.expand(image * divisor)
         lifted = [f.xreplace({above: divisor * w, -above: -divisor * w}) for f in formulas]
         if any(p.args[0] in below for f in lifted for p in _powers(f)):
             continue
@@ -419,13 +420,13 @@ def _is_singular(field: Sequence[Any], at: Mapping[Any, Any]) -> bool:
 
 def _powers(expr: Any, kind: Any = se.Symbol) -> list[Any]:
     """Powers with negative exponents of what is of a kind, wherever they stand."""
-    found, todo = [], [expr]
+    powers, todo = [], [expr]
     while todo:
         e = todo.pop()
         todo += e.args
         if isinstance(e, se.Pow) and isinstance(e.args[0], kind) and e.args[1].is_negative:
-            found.append(e)
-    return found
+            powers.append(e)
+    return powers
 
 
 def _start(
@@ -452,27 +453,27 @@ def _carry(
     components = dict(zip(flow.variables, flow.components, strict=True))
     order = {x: i for i, x in enumerate(states)}
     for w in flow.velocities:
-        own = [x for x in states if x in components and x != w]
-        pace = {x: se.expand(components[x]).xreplace({w: se.Integer(0)}) for x in own}
-        own = [x for x in own if canonical([pace[x]], flow.relations)[0] == 0]
-        slopes = dict(zip(own, canonical([components[x] / w for x in own], flow.relations),
+        chosen = [x for x in states if x in components and x != w]
+        pace = {x: se.expand(components[x]).xreplace({w: se.Integer(0)}) for x in chosen}
+        chosen = [x for x in chosen if canonical([pace[x]], flow.relations)[0] == 0]
+        slopes = dict(zip(chosen, canonical([components[x] / w for x in chosen], flow.relations),
                           strict=True))  # fmt: skip
         while True:
-            inside = {*own, *flow.parameters}
-            closed = [x for x in own if slopes[x].free_symbols <= inside]
-            if len(closed) == len(own):
+            inside = {*chosen, *flow.parameters}
+            closed = [x for x in chosen if slopes[x].free_symbols <= inside]
+            if len(closed) == len(chosen):
                 break
-            own = closed
-        carried = [x for x in own if x in flow.velocities and slopes[x] != 0]
-        places = [x for x in own if x in flow.positions and slopes[x] != 0]
+            chosen = closed
+        carried = [x for x in chosen if x in flow.velocities and slopes[x] != 0]
+        places = [x for x in chosen if x in flow.positions and slopes[x] != 0]
         for along in places if carried else ():
-            field = [(slopes[x] / slopes[along]).xreplace(values) for x in own]
+            field = [(slopes[x] / slopes[along]).xreplace(values) for x in chosen]
             place = next(x for x in (0, start[order[along]]) if not _is_singular(field, {along: x}))
             below = {p.args[0] for e in field for p in _powers(e, se.Basic)}
             results = [*field, *sorted(below, key=str)]
-            block = share_subexpressions(results, fresh_names(own))
-            program = Program.of_block(se.Symbol("t"), own, block)
-            found = tuple(f"{x} where {along} = {place:g}" for x in carried)
-            return CarriedIntegrals(found, tuple(order[x] for x in own), order[along], place,
+            block = share_subexpressions(results, fresh_names(chosen))
+            program = Program.of_block(se.Symbol("t"), chosen, block)
+            names = tuple(f"{x} where {along} = {place:g}" for x in carried)
+            return CarriedIntegrals(names, tuple(order[x] for x in chosen), order[along], place,
                                     tuple(order[x] for x in carried), program)  # fmt: skip
     return None

@@ -58,13 +58,13 @@ class JointFunction:
         m, n = len(self.rows.results), len(self.unknowns)
         function = self.memo.once("compiled", self._compile)
         try:
-            found = np.array(function(0.0, y.tolist(), self._doubles), dtype=float)
+            outputs = np.array(function(0.0, y.tolist(), self._doubles), dtype=float)
         except (ZeroDivisionError, ValueError, OverflowError, TypeError):
             return np.full(m, np.nan), np.full((m, n), np.nan)
         slopes = np.zeros((m, n))
-        for place, slope in zip(self.places, found[m:], strict=True):
+        for place, slope in zip(self.places, outputs[m:], strict=True):
             slopes[place] = slope
-        return found[:m], slopes
+        return outputs[:m], slopes
 
     def _run_in_balls(self, block: Block, y: Sequence[Any], bits: int) -> list[Any]:
         steps, ends = self.memo.once(("tapes", block), lambda: _record(block))
@@ -73,8 +73,8 @@ class JointFunction:
             known |= dict(zip(self.unknowns, map(flint.arb, y), strict=True))
             for name, tape in steps:
                 known[name] = tape.run(known, _constant)[0]
-            found: list[Any] = ends.run(known, _constant)
-            return found
+            outputs: list[Any] = ends.run(known, _constant)
+            return outputs
 
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """The values enclosed at balls y.  ``EngineLimit`` where a function has none in balls."""
@@ -84,8 +84,8 @@ class JointFunction:
         """The Jacobian enclosed at balls y, an ``arb_mat``."""
         m = len(self.rows.results)
         slopes = flint.arb_mat(m, len(self.unknowns))
-        found = self._run_in_balls(self.joint, y, bits)[m:]
-        for place, slope in zip(self.places, found, strict=True):
+        entries = self._run_in_balls(self.joint, y, bits)[m:]
+        for place, slope in zip(self.places, entries, strict=True):
             slopes[place] = slope
         return slopes
 

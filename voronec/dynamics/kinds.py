@@ -76,8 +76,8 @@ def _coordinate_rates(motion: Any) -> np.ndarray | None:
         return None
 
     def off(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found, slopes = function.at(x)
-        return found[: len(names)] - targets, slopes[: len(names)]
+        outputs, slopes = function.at(x)
+        return outputs[: len(names)] - targets, slopes[: len(names)]
 
     here = [float(values.get(str(x), 0.4 + i / 7)) for i, x in enumerate(function.unknowns)]
     place = solve(off, np.array(here), np.ones(len(here)))

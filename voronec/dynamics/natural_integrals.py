@@ -37,7 +37,7 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
     d, system = equations.definition, equations.system
     if d.group is not None or d.added:
         return {}
-    found, bound = dict[str, sp.Expr](), (d.constraints, d.differentiated)
+    integrals, bound = dict[str, sp.Expr](), (d.constraints, d.differentiated)
     momenta = [d.lagrangian.diff(v) for v in d.dots]
     held = {s for e in (d.lagrangian, *d.relations) for s in e.free_symbols}
     names = map(plain_name, system.coordinates)
@@ -45,10 +45,10 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
     for i, (name, q, p, force) in enumerate(rows):
         pushed = any(row[i] != 0 for forms in bound for row in forms.matrix)
         if p != 0 and force == 0 and q not in held and not pushed:
-            found[f"momentum of {name}"] = d.bridge.outward(p)
+            integrals[f"momentum of {name}"] = d.bridge.outward(p)
     if keeps_energy(equations):
         energy = se.Add(*[v * p for v, p in zip(d.dots, momenta, strict=True)]) - d.lagrangian
-        found["energy"] = d.bridge.outward(energy)
+        integrals["energy"] = d.bridge.outward(energy)
     still_names = {*system.coordinates, *(p.symbol for p in system.parameters)}
     declared = [right_of(e) for e in system.integrals.values()]
     if (
@@ -57,8 +57,8 @@ def _find(equations: VoronecEquations) -> dict[str, sp.Expr]:
         and not any(e.free_symbols <= still_names for e in declared)
     ):
         with suppress(EngineLimit):
-            found |= {f"{LEAF} {i}": e for i, e in enumerate(equations.leaves, 1)}
-    return {name: e for name, e in found.items() if name not in system.integrals}
+            integrals |= {f"{LEAF} {i}": e for i, e in enumerate(equations.leaves, 1)}
+    return {name: e for name, e in integrals.items() if name not in system.integrals}
 
 
 def is_long(equations: VoronecEquations) -> bool:

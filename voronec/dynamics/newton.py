@@ -108,15 +108,15 @@ def polish(equations: Any, y: np.ndarray, bits: int) -> list[Any]:
     inverse = np.linalg.pinv(slopes / sizes[:, None], rcond=RANK) / sizes
     with flint.ctx.workprec(bits):
         exact = flint.arb_mat(len(y), len(sizes), inverse.ravel().tolist())
-        found = flint.arb_mat(len(y), 1, y.tolist())
+        solution = flint.arb_mat(len(y), 1, y.tolist())
         last = float("inf")
         for _ in range(2 + bits // 20):
-            values = equations.balls(found.entries(), bits)
+            values = equations.balls(solution.entries(), bits)
             if not all(v.is_finite() for v in values):
                 raise EngineLimit("the right side has no finite value there")
             step = (exact * flint.arb_mat(len(values), 1, values)).mid()
             size = max(float(abs(e)) for e in step.entries())
-            found = (found - step).mid()
+            solution = (solution - step).mid()
             if size == 0 or (size >= 0.1 * last and size < 2.0 ** (-0.6 * bits)):
                 break
             last = size
@@ -125,7 +125,7 @@ def polish(equations: Any, y: np.ndarray, bits: int) -> list[Any]:
                 "the steady motion has no more digits than doubles: its equations are degenerate "
                 "there"
             )
-        return found.entries()
+        return solution.entries()
 
 
 def pivots(directions: np.ndarray) -> list[int]:

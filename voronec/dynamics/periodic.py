@@ -243,15 +243,15 @@ class _OrbitEquations:
 
     def _nearest_time(self, time: float) -> float:
         """When, next to a time, the motion is nearest to its start: (x(t) - x) . x'(t) = 0."""
-        found = time
+        nearest = time
         for _ in range(5):
             state = self.flow.start(self.anchor[0], units=self.state_units)
-            self.flow.go(state, found, self.values, COARSE, 1)
+            self.flow.go(state, nearest, self.values, COARSE, 1)
             rates = self._rates(state.x) / self.state_units
-            found -= float(self._gap(state.x) @ rates / (rates @ rates))
-            if not 0.5 * time < found < 2 * time:
+            nearest -= float(self._gap(state.x) @ rates / (rates @ rates))
+            if not 0.5 * time < nearest < 2 * time:
                 return time
-        return found
+        return nearest
 
     def in_parts(self, count: int) -> _OrbitEquations:
         """With so many parts, the guess along the motion from the start."""
@@ -345,17 +345,17 @@ class _OrbitEquations:
 
     def solve_from_guess(self) -> np.ndarray:
         """The unknowns of the orbit to which the guess leads; ``DefinitionError`` if to none."""
-        found = solve(self.function, self.guess, self.units, CLOSURE, SINGULAR)
-        if found is None or not self._closes(found):
+        solution = solve(self.function, self.guess, self.units, CLOSURE, SINGULAR)
+        if solution is None or not self._closes(solution):
             error = np.abs(self.function(self.guess)[0]).max()
             raise DefinitionError(
                 f"no periodic orbit is found near the start, which fails to close by {error:.1e} "
                 f"after t = {self.span:.6g}; give another start or period"
                 + (", or hold fewer integrals" if len(self.held) else "")
             )
-        if self._is_still(found):
+        if self._is_still(solution):
             raise DefinitionError("the guess leads to an equilibrium; start farther away from it")
-        return found
+        return solution
 
     def _closes(self, unknowns: np.ndarray) -> bool:
         return bool(np.abs(self.function(unknowns)[0]).max() <= CLOSURE)
@@ -438,11 +438,11 @@ class _OrbitEquations:
         more dimensions, that in which what it is followed along changes most."""
         free = null_space(self.with_phase_of(y).function(y)[1], self.units)
         guide = self.slope(y) if free.shape[1] > 1 else ahead
-        found = free @ (free.T @ guide)
-        size = np.linalg.norm(found)
+        direction = free @ (free.T @ guide)
+        size = np.linalg.norm(direction)
         if not size > SINGULAR * np.linalg.norm(guide):
             return None
-        return np.asarray(found / size if found @ ahead >= 0 else -found / size)
+        return np.asarray(direction / size if direction @ ahead >= 0 else -direction / size)
 
     def onto(self, y: np.ndarray, across: np.ndarray) -> np.ndarray | None:
         """The orbit in the plane through unknowns across a direction."""
@@ -472,9 +472,9 @@ class _OrbitEquations:
             ends = [float(np.prod(orbit.multipliers - at).real) for _, orbit in (begin, end)]
             if min(map(abs, ends)) < MARGIN:
                 continue
-            found = root_between(self, begin[0], end[0], partial(self._distance, at))
-            if found is not None:
-                yield Bifurcation(at, self.value(found), self.orbit(found))
+            crossing = root_between(self, begin[0], end[0], partial(self._distance, at))
+            if crossing is not None:
+                yield Bifurcation(at, self.value(crossing), self.orbit(crossing))
 
     def _distance(self, at: int, unknowns: np.ndarray) -> float:
         """The product of all distances of multipliers from 1 or -1."""

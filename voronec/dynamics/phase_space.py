@@ -119,8 +119,8 @@ class PhaseSpace:
         """The rates (m, n) at states (m, n) with the parameters of start i, at some instant."""
         rhs = compile_program(self.motions.program)[0]
         with np.errstate(all="ignore"):
-            found = rhs(np.float64(0.3), [*states.T], [*self.motions.values[i]])
-        return np.stack([np.broadcast_to(r, len(states)) for r in found], axis=-1)
+            rates = rhs(np.float64(0.3), [*states.T], [*self.motions.values[i]])
+        return np.stack([np.broadcast_to(r, len(states)) for r in rates], axis=-1)
 
     def _states_around(self, i: int) -> np.ndarray:
         """Random states (3, n) around start i."""
@@ -152,17 +152,17 @@ class PhaseSpace:
 
     def constants_at(self, x: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
         """The constants of the motion (c,) and their gradients (c, n) at a state."""
-        (program, places), own = self._gradients, self.motions.program
-        given = dict(zip(map(str, (*own.state, *own.parameters)), (*x, *values), strict=True))
+        (program, places), flow = self._gradients, self.motions.program
+        given = dict(zip(map(str, (*flow.state, *flow.parameters)), (*x, *values), strict=True))
         here = [
             [float(given[str(s)]) for s in part] for part in (program.state, program.parameters)
         ]
-        found = compile_program(program, scalar=True)[1](0.0, *here)
+        outputs = compile_program(program, scalar=True)[1](0.0, *here)
         count = len(self.constants)
-        gradients = np.zeros((count, len(own.state)))
-        for place, slope in zip(places, found[count:], strict=True):
+        gradients = np.zeros((count, len(flow.state)))
+        for place, slope in zip(places, outputs[count:], strict=True):
             gradients[place] = slope
-        constants = np.array(found[:count], dtype=float)
+        constants = np.array(outputs[:count], dtype=float)
         rounding = np.abs(gradients).max(axis=1, initial=0.0) <= RANK * np.abs(constants)
         gradients[rounding] = 0.0
         return constants, gradients
@@ -196,10 +196,10 @@ class PhaseSpace:
 def _constants(namespace: Namespace, motions: Many) -> dict[str, Any]:
     """The proved integrals and the relations, in the variables of the program."""
     ground, equations = motions.ground, namespace.equations
-    own = {*motions.program.parameters, *(name for name, _ in ground.form.stages)}
+    known = {*motions.program.parameters, *(name for name, _ in ground.form.stages)}
     state = {*motions.program.state}
-    inside = {n: e for n, e in ground.integrals.items() if e.free_symbols <= own | state}
-    found = {n: e for n, e in inside.items() if is_proved(equations, n)}
+    inside = {n: e for n, e in ground.integrals.items() if e.free_symbols <= known | state}
+    proved = {n: e for n, e in inside.items() if is_proved(equations, n)}
     relations = {f"relation {i + 1}": r for i, r in enumerate(ground.form.relations)}
     plain = {*motions.program.parameters} | state  # what stages solve holds of itself
-    return found | {n: r for n, r in relations.items() if r.free_symbols <= plain}
+    return proved | {n: r for n, r in relations.items() if r.free_symbols <= plain}

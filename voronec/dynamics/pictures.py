@@ -53,11 +53,11 @@ def family_figure(family: Any) -> Figure:
 
 def _draw_states(panel: Any, family: Any) -> None:
     points, x = family.points, family.values
-    own = [i for i, n in enumerate(family.names) if n != family.over]
-    moves = sorted((i for i in own if np.ptp(points[:, i]) > 1e-9), key=lambda i:
+    states = [i for i, n in enumerate(family.names) if n != family.over]
+    moves = sorted((i for i in states if np.ptp(points[:, i]) > 1e-9), key=lambda i:
                    -float(np.ptp(points[:, i])))[:STATES]  # fmt: skip
     styles = ("-", "--", ":")
-    for i, style in zip(moves or own[:1], styles, strict=False):
+    for i, style in zip(moves or states[:1], styles, strict=False):
         for count in sorted(set(family.unstable.tolist())):
             # a piece reaches to the next point, so that the curve has no gaps
             near = family.unstable == count
@@ -91,8 +91,8 @@ def orbits_figure(family: Any) -> Figure:
         for value, orbit in zip(x, family, strict=True):
             sizes = np.abs(orbit.multipliers)
             right.plot(np.full(len(sizes), value), sizes, ".", color=INK, markersize=3)
-        for found in family.bifurcations:
-            right.axvline(found.value, color=MARK, linewidth=0.7, linestyle="--")
+        for bifurcation in family.bifurcations:
+            right.axvline(bifurcation.value, color=MARK, linewidth=0.7, linestyle="--")
         right.set(xlabel=_label(family.along), ylabel=r"$|\mu|$")
         for panel in (left, middle, right):
             panel.tick_params(labelsize=8)

@@ -57,10 +57,10 @@ def _rewrite(
     rates, dots = dict[Any, Any](), dict(zip(d.coordinates, d.dots, strict=True))
     invariants, polar = dict(system.invariants), []
     for t in angles:
-        vector, own = _vector(t, dots)
+        vector, spin = _vector(t, dots)
         names = _fresh(DIRECTION if t.psi is None else BODY, taken)
         invariants |= zip(names[:3], map(out, vector), strict=True)
-        rates |= zip(map(sp.Symbol, names[3:]), map(out, own), strict=True)
+        rates |= zip(map(sp.Symbol, names[3:]), map(out, spin), strict=True)
         polar.append(names[:2])
     turning = {x for t in angles for x in t.symbols}
     for q in d.coordinates[: d.base]:
@@ -90,6 +90,6 @@ def _fresh(names: tuple[str, ...], taken: set[str]) -> tuple[str, ...]:
     tries: Iterator[tuple[str, ...]] = (
         tuple(f"{n}_{i}" for n in names) if i else names for i in count()
     )
-    found = next(each for each in tries if not taken & {*each})
-    taken |= {*found}
-    return found
+    fresh = next(each for each in tries if not taken & {*each})
+    taken |= {*fresh}
+    return fresh

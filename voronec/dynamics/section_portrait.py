@@ -83,9 +83,9 @@ def _reflections(section: Section) -> tuple[tuple[int, int], ...]:
         return ()
     if not {*names} <= {*space.names}:
         return ()
-    places, found = [space.names.index(n) for n in names], set()
+    places, reflections = [space.names.index(n) for n in names], set()
     for signs in space.reversals(0):
-        plane, *own = (signs[i] for i in places)
+        plane, *flips = (signs[i] for i in places)
         if (plane == -1 and section.value == 0) or (plane == 1 and section.direction == 0):
-            found.add((own[0], own[1]))
-    return tuple(sorted(found))
+            reflections.add((flips[0], flips[1]))
+    return tuple(sorted(reflections))

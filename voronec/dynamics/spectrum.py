@@ -99,12 +99,12 @@ def conditions_in_doubles(matrix: np.ndarray, opposites: bool) -> dict[str, floa
     along (``opposites``), where two pairs meet on it (``meeting``), scaled."""
     scale = float(np.linalg.norm(matrix, 2)) if matrix.size else 1.0
     values = np.linalg.eigvals(matrix / (scale or 1.0))
-    found = {"real": float(np.prod(values).real)}
+    conditions = {"real": float(np.prod(values).real)}
     if opposites:
         squares = np.roots(np.poly(matrix / (scale or 1.0))[::2])
         gaps = [(a - b) ** 2 for a, b in combinations(squares, 2)]
-        return found | {"meeting": float(np.prod(gaps).real)}
-    return found | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}
+        return conditions | {"meeting": float(np.prod(gaps).real)}
+    return conditions | {"pair": float(np.prod([a + b for a, b in combinations(values, 2)]).real)}
 
 
 def hurwitz_matrix(coefficients: Sequence[Any]) -> list[list[Any]]:
@@ -160,8 +160,8 @@ def root_on_right(coefficients: Sequence[Any], near: complex, bits: int) -> Any 
         ball = middle + flint.acb(flint.arb(0, reach), flint.arb(0, reach))
         if slope(ball).contains(0):
             return None
-        found = middle - poly(middle) / slope(ball)
-        return found if ball.contains(found) and found.real > 0 else None
+        image = middle - poly(middle) / slope(ball)
+        return image if ball.contains(image) and image.real > 0 else None
 
 
 def number_text(z: complex) -> str:

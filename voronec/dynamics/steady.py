@@ -184,9 +184,9 @@ class SteadyMotion:
 
         ``EngineLimit`` where the equations are degenerate there, or have no evaluation in balls.
         """
-        found = self._exact_point(int(3.33 * digits) + 40)
+        point = self._exact_point(int(3.33 * digits) + 40)
         with mp.workdps(digits):
-            return {n: +to_mpf(x) for n, x in zip(self.equations.names, found, strict=True)}
+            return {n: +to_mpf(x) for n, x in zip(self.equations.names, point, strict=True)}
 
     def _exact_point(self, bits: int) -> list[Any]:
         """The point in balls; what is held may touch the family, and then its nearest point."""
@@ -204,9 +204,9 @@ class SteadyMotion:
         slopes = self.equations.slopes_in_balls(y, bits)
         with flint.ctx.workprec(bits):
             block = [flint.acb(slopes[i, j].mid()) for i in range(n) for j in range(n)]
-            found = flint.acb_mat(n, n, block).eig(algorithm="approx")
-            size = max(1.0, max(float(abs(e)) for e in found)) if found else 1.0
-            pairs = [(to_mpf(e.real.mid()), to_mpf(e.imag.mid())) for e in found]
+            spectrum = flint.acb_mat(n, n, block).eig(algorithm="approx")
+            size = max(1.0, max(float(abs(e)) for e in spectrum)) if spectrum else 1.0
+            pairs = [(to_mpf(e.real.mid()), to_mpf(e.imag.mid())) for e in spectrum]
         small = mp.mpf(10) ** -(digits + 2) * size
         with mp.workdps(digits):
             parts = [mp.mpc(*(x if abs(x) > small else 0 for x in pair)) for pair in pairs]
@@ -354,16 +354,16 @@ def steady(
     Raises ``DefinitionError`` for unknown names, a parameter without a value, a system that depends
     on the time, and where no start leads to a steady motion.
     """
-    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    model = system.system if isinstance(system, VoronecEquations) else require_system(system)
     equations = drive(system, unknown=True).equations
-    given = {f"{plain_name(u)}dot": 0 for u in own.inputs if _holds_rate(equations, u)}
+    given = {f"{plain_name(u)}dot": 0 for u in model.inputs if _holds_rate(equations, u)}
     given |= {plain_name(k): x for k, x in (parameters or {}).items()}
     unknown = [plain_name(k) for k in several(free, "free", "name")]
-    said, values = _scene_values(own), dict(at or {})
-    wrong, found, home = [], list[SteadyMotions](), None
+    said, values = _scene_values(model), dict(at or {})
+    wrong, searches, home = [], list[SteadyMotions](), None
     try:
         home = _with_values(equations, said, given, unknown, values)
-        found.append(_search(Motions.of(equations), home, said, starts, seed))
+        searches.append(_search(Motions.of(equations), home, said, starts, seed))
     except DefinitionError as error:
         wrong.append(error)
     positions = steady_formulation(equations).positions
@@ -372,10 +372,12 @@ def steady(
         there = {**values, **dict.fromkeys(polar, 0)}
         with suppress(VoronecError):
             beside = _with_values(regular, {}, given, unknown, there)
-            found.append(_search(Motions.of(regular), beside, {}, starts, seed))
-    if not found:
+            searches.append(_search(Motions.of(regular), beside, {}, starts, seed))
+    if not searches:
         raise wrong[0]
-    all_found = replace(found[0], system=own, motions=tuple(m for each in found for m in each))
+    all_found = replace(
+        searches[0], system=model, motions=tuple(m for each in searches for m in each)
+    )
     if not exact or home is None:
         return all_found
     try:
@@ -389,20 +391,20 @@ def _with_values(
     unknown: Sequence[str], at: Mapping[Any, Any],
 ) -> SteadyEquations:  # fmt: skip
     """The equations with the values of parameters, and of what is held."""
-    found = steady_equations(equations, given, said)
-    _require_constants(found, given)
+    problem = steady_equations(equations, given, said)
+    _require_constants(problem, given)
     check_parameters(equations.system, *given.items())
-    _require_constants(found, unknown)
-    found = found.with_unknowns(unknown)
-    require_values(found)
+    _require_constants(problem, unknown)
+    problem = problem.with_unknowns(unknown)
+    require_values(problem)
     held = {}
     for key, value in at.items():
-        name, expr = read_quantity(found, Motions.of(equations), key)
+        name, expr = read_quantity(problem, Motions.of(equations), key)
         held[name] = (expr, expression(value, f"the value of '{name}'"))
-    still = {*map(str, constants_of(found.formulation))}
-    frozen = {n: x for n, x in found.values.items() if n in still}
+    still = {*map(str, constants_of(problem.formulation))}
+    frozen = {n: x for n, x in problem.values.items() if n in still}
     frozen |= {n: held.pop(n)[1] for n in frozen.keys() & held.keys()}
-    return replace(found, values={**found.values, **frozen}).fix(held)
+    return replace(problem, values={**problem.values, **frozen}).fix(held)
 
 
 def _holds_rate(equations: VoronecEquations, u: Any) -> bool:
@@ -430,7 +432,7 @@ def _search(
 ) -> SteadyMotions:
     units = sizes_of(equations, said)
     turning, random = angles_of(equations, units), np.random.default_rng(seed)
-    found: dict[Any, SteadyMotion] = {}
+    distinct: dict[Any, SteadyMotion] = {}
     solved, usual = 0, np.inf
     for k in range(starts):
         kept = random.integers(0, 2, len(units)) if k % 2 else np.ones(len(units))
@@ -448,8 +450,8 @@ def _search(
             solved += 1
             place = () if motion.dimension else tuple(np.round(motion.y / units, 6) + 0.0)
             key = (motion.dimension, motion.is_singular, motion.zero, place)
-            found.setdefault(key, motion)
-    if not found:
+            distinct.setdefault(key, motion)
+    if not distinct:
         constant = ", ".join(f"{x} = {equations.values[str(x)]}"
                              for x in constants_of(equations.formulation))  # fmt: skip
         other = f"; give others than those that the scene has of constants: {constant}"
@@ -457,7 +459,7 @@ def _search(
             f"system '{equations.system.name}': none of {starts} starts leads to a steady "
             f"motion; hold fewer values, or take more starts{other if constant else ''}"
         )
-    order = sorted(found.values(), key=lambda m: (not m.is_rest, -len(m.zero), m.dimension))
+    order = sorted(distinct.values(), key=lambda m: (not m.is_rest, -len(m.zero), m.dimension))
     return SteadyMotions(equations.system, tuple(order), starts, solved)
 
 
@@ -485,8 +487,8 @@ def roots_of(equations: SteadyEquations) -> list[int]:
 def angles_of(equations: SteadyEquations, units: np.ndarray) -> list[int]:
     """The positions of states that are angles: whole turns change no equation at a random point."""
     y = np.random.default_rng(0).normal(size=len(units)) * units
-    found = are_angles(lambda at: equations.at(at)[0], y, equations.size)
-    return np.flatnonzero(found).tolist()
+    mask = are_angles(lambda at: equations.at(at)[0], y, equations.size)
+    return np.flatnonzero(mask).tolist()
 
 
 def settle(
@@ -495,23 +497,23 @@ def settle(
 ) -> SteadyMotion | None:  # fmt: skip
     """The steady motion to which Newton's method leads, angles between -pi and pi; None where it
     leads to none."""
-    found = solve(equations.at, y, units)
-    if found is None:
+    solution = solve(equations.at, y, units)
+    if solution is None:
         return None
-    whole = np.ceil(found[turning] / (2 * np.pi) - 0.5 - NEAR)  # -pi is told as pi
-    found[turning] -= 2 * np.pi * whole
-    if np.abs(found / units).max(initial=0.0) > FAR:
+    whole = np.ceil(solution[turning] / (2 * np.pi) - 0.5 - NEAR)  # -pi is told as pi
+    solution[turning] -= 2 * np.pi * whole
+    if np.abs(solution / units).max(initial=0.0) > FAR:
         return None
-    near = np.where(np.abs(found) < NEAR * units, 0.0, found)
+    near = np.where(np.abs(solution) < NEAR * units, 0.0, solution)
     exact = solve(equations.at, near, units)
-    found = exact if exact is not None else found
-    if any(found[i] < 0 for i in roots_of(equations)):
+    solution = exact if exact is not None else solution
+    if any(solution[i] < 0 for i in roots_of(equations)):
         return None
-    found = np.where(np.abs(found) < 1e-12 * units, 0.0, found)
-    there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (found, y))
-    if not there <= STEEP * before or _does_not_vanish(equations, found, units):
+    solution = np.where(np.abs(solution) < 1e-12 * units, 0.0, solution)
+    there, before = (np.abs(equations.at(x)[1] * units).max(initial=0.0) for x in (solution, y))
+    if not there <= STEEP * before or _does_not_vanish(equations, solution, units):
         return None
-    return SteadyMotion(motions, equations, found, units)
+    return SteadyMotion(motions, equations, solution, units)
 
 
 def _does_not_vanish(equations: SteadyEquations, y: np.ndarray, units: np.ndarray) -> bool:
@@ -548,6 +550,6 @@ def stability(
     where there is one - is followed over ``over`` as ``SteadyMotion.along`` does; all arguments,
     and what is raised, are those of the two.
     """
-    found = steady(system, at, parameters, free, starts, seed)
-    motion = next((m for m in found if not m.is_rest), found[0])
+    motions = steady(system, at, parameters, free, starts, seed)
+    motion = next((m for m in motions if not m.is_rest), motions[0])
     return motion.along(over, between, hold, count)

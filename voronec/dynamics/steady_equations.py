@@ -70,8 +70,8 @@ class SteadyEquations:
     @property
     def system(self) -> System:
         """The system."""
-        found: System = self.formulation.system
-        return found
+        subject: System = self.formulation.system
+        return subject
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -87,8 +87,8 @@ class SteadyEquations:
     def constants(self) -> tuple[str, ...]:
         """The names of parameters and inputs that may be found or changed."""
         frozen = {*map(str, constants_of(self.formulation))}
-        own = (*self.rates.parameters, *self.rates.inputs)
-        return tuple(str(p) for p in own if str(p) not in frozen)
+        symbols = (*self.rates.parameters, *self.rates.inputs)
+        return tuple(str(p) for p in symbols if str(p) not in frozen)
 
     def with_unknowns(self, names: Iterable[str]) -> SteadyEquations:
         """The equations with further constants among the unknowns."""
@@ -122,24 +122,26 @@ class SteadyEquations:
     def proved_integrals(self, equations: VoronecEquations) -> dict[str, Any]:
         """The integrals that are proved, on the formulation, but those that hold the time."""
         natural, time = natural_integrals(equations), self.rates.time
-        found = {n: e for n, e in self.formulation.integrals.items() if time not in e.free_symbols}
-        return {n: e for n, e in found.items() if n in natural or is_proved(equations, n)}
+        autonomous = {
+            n: e for n, e in self.formulation.integrals.items() if time not in e.free_symbols
+        }
+        return {n: e for n, e in autonomous.items() if n in natural or is_proved(equations, n)}
 
     def constants_of_motion(self, equations: VoronecEquations) -> dict[str, tuple[Any, Any]]:
         """Relations, leaf functions and proved integrals, with their values where these are
         known, else None."""
         relations = enumerate(self.formulation.relations, 1)
-        found: dict[str, tuple[Any, Any]] = {f"relation {i}": (r, 0) for i, r in relations}
+        vanishing: dict[str, tuple[Any, Any]] = {f"relation {i}": (r, 0) for i, r in relations}
         proved = self.proved_integrals(equations)
         known = {n: (e, self.targets[n]) for n, e in proved.items()
                  if n in self.leaves and n in self.targets}  # fmt: skip
-        return found | known | {n: (e, None) for n, e in proved.items() if n not in known}
+        return vanishing | known | {n: (e, None) for n, e in proved.items() if n not in known}
 
     @cached_property
     def _joint(self) -> JointFunction:
         """F without its targets; it is made once for all values."""
-        found: JointFunction = self.memo.once((self.unknowns, self.held), self._write)
-        return found.with_values(self.values)
+        joint: JointFunction = self.memo.once((self.unknowns, self.held), self._write)
+        return joint.with_values(self.values)
 
     def _write(self) -> JointFunction:
         derivative = self.rates.derivative
@@ -155,9 +157,9 @@ class SteadyEquations:
     def logarithms(self) -> JointFunction:
         """What vanishes where a logarithm has no value."""
         rows = self._joint.rows
-        found = atoms([*(e for _, e in rows.assignments), *rows.results], se.log)
+        functions = atoms([*(e for _, e in rows.assignments), *rows.results], se.log)
         named = dict(rows.assignments)
-        inner = (named.get(f.args[0], f.args[0]) for f in found)
+        inner = (named.get(f.args[0], f.args[0]) for f in functions)
         bases = tuple(e.args[0] if isinstance(e, se.Pow) else e for e in inner)
         block = share_subexpressions(bases, fresh_names([*self.symbols, *named]), rows.assignments)
         time, *symbols = self.symbols
@@ -196,17 +198,17 @@ class SteadyEquations:
         return self.at(y)[1][: self.size, : self.size]
 
     def _at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found, slopes = self._joint.at(y)
-        found[len(found) - len(self.held) :] -= self._target_doubles
-        return found, slopes
+        values, slopes = self._joint.at(y)
+        values[len(values) - len(self.held) :] -= self._target_doubles
+        return values, slopes
 
     def balls(self, y: Sequence[Any], bits: int) -> list[Any]:
         """F enclosed at balls y.  ``EngineLimit`` where a function has no evaluation in balls."""
-        found = self._joint.balls(y, bits)
+        values = self._joint.balls(y, bits)
         with flint.ctx.workprec(bits):
-            for i, target in enumerate(self._targets, len(found) - len(self.held)):
-                found[i] -= as_ball(target)
-        return found
+            for i, target in enumerate(self._targets, len(values) - len(self.held)):
+                values[i] -= as_ball(target)
+        return values
 
     def slopes_in_balls(self, y: Sequence[Any], bits: int) -> Any:
         """The Jacobian of F enclosed at balls y, an ``arb_mat``."""
@@ -221,10 +223,10 @@ def _is_of(integral: Any, symbols: Collection[Any]) -> bool:
 
 def constants_of(formulation: Formulation) -> tuple[Any, ...]:
     """Parameters of a formulation that are constant variables."""
-    own = {p.name for p in formulation.system.parameters} | {
+    declared = {p.name for p in formulation.system.parameters} | {
         plain_name(u) for u in formulation.system.inputs
     }
-    return tuple(p for p in formulation.parameters if str(p) not in own)
+    return tuple(p for p in formulation.parameters if str(p) not in declared)
 
 
 def steady_formulation(equations: VoronecEquations) -> Formulation:
@@ -276,9 +278,9 @@ def steady_equations(
     values: dict[str, Any] = {p.name: p.value for p in system.parameters if p.value is not None}
     values |= {str(x): start.get(str(x), 0) for x in constants_of(formulation)}
     values |= parameters
-    found = SteadyEquations(formulation, program, program.state, (), values, {})
-    given = {n: (e, _value_there(e, {**start, **values})) for n, e in found.leaves.items()}
-    return found.fix({n: (e, x) for n, (e, x) in given.items() if x is not None})
+    problem = SteadyEquations(formulation, program, program.state, (), values, {})
+    given = {n: (e, _value_there(e, {**start, **values})) for n, e in problem.leaves.items()}
+    return problem.fix({n: (e, x) for n, (e, x) in given.items() if x is not None})
 
 
 def _value_there(expr: Any, at: Mapping[str, Any]) -> Any:
@@ -301,9 +303,9 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
     """What a user names - a variable, an integral, a constant or a formula in these - as an
     expression on the formulation."""
     formulation, system = equations.formulation, equations.system
-    own = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
-    own |= {str(x): x for x in equations.rates.inputs}
-    known = {**own, **formulation.integrals}
+    symbols = {str(x): x for x in (*formulation.variables, *formulation.parameters)}
+    symbols |= {str(x): x for x in equations.rates.inputs}
+    known = {**symbols, **formulation.integrals}
     name = plain_name(key)
     if name in known:
         return name, known[name]
@@ -321,7 +323,7 @@ def read_quantity(equations: SteadyEquations, motions: Motions, key: Any) -> tup
         expr = flow.read(read)
     except VoronecError:
         expr = motions.equations.bridge.inward(read)
-    if expr.free_symbols <= {*own.values()}:
+    if expr.free_symbols <= {*symbols.values()}:
         return name, expr
     raise DefinitionError(
         f"{place} is no function of the variables of steady motions; name some of "

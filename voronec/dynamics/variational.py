@@ -123,12 +123,12 @@ class VariationalFlow:
     def rates(self, x: Any, values: Any, time: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """The rates (n,) and their Jacobian (n, n) at a state."""
         n, known = len(self.program.state), self.joint.values([float(v) for v in values])
-        found = _evaluator(self.joint.program)(time, [*map(float, x), *[0.0] * len(self.places)],
+        outputs = _evaluator(self.joint.program)(time, [*map(float, x), *[0.0] * len(self.places)],
                                                known)  # fmt: skip
         matrix = np.zeros((n, n))
-        for (i, j), entry in zip(self.places, found[n:], strict=True):
+        for (i, j), entry in zip(self.places, outputs[n:], strict=True):
             matrix[i, j] = entry
-        return np.array(found[:n], dtype=float), matrix
+        return np.array(outputs[:n], dtype=float), matrix
 
 
 def _evaluator(program: Program) -> Callable[..., Any]:
@@ -188,11 +188,11 @@ def _drive_of_scipy(
         given = known.tolist()
 
         def slope(t: float, z: np.ndarray) -> np.ndarray:
-            found = np.array(evaluate(t, [*z[:n].tolist(), *blank], given), dtype=float)
+            outputs = np.array(evaluate(t, [*z[:n].tolist(), *blank], given), dtype=float)
             matrix = np.zeros((n, n))
-            matrix[rows, columns] = found[n:]
+            matrix[rows, columns] = outputs[n:]
             y = matrix @ z[n + 1 :].reshape(n, k)
-            return np.concatenate([found[:n], [np.trace(matrix)], y.ravel()])
+            return np.concatenate([outputs[:n], [np.trace(matrix)], y.ravel()])
 
         scale = tol * np.concatenate([state.units, [1.0], np.repeat(state.units, k)])
         stepper, steps = None, 0

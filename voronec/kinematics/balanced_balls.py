@@ -81,8 +81,8 @@ class BallMotion:
         """
         if len({*self.inertia}) == 1:
             return sp.Integer(1)
-        own = self.contact_inertia
-        terms = (own * g**2 / (i + own) for g, i in zip(GAMMA, self.inertia, strict=True))
+        steiner = self.contact_inertia
+        terms = (steiner * g**2 / (i + steiner) for g, i in zip(GAMMA, self.inertia, strict=True))
         return sp.sqrt(1 - sp.Add(*terms))
 
     @cached_property
@@ -96,13 +96,13 @@ class BallMotion:
     @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """The energy, the square of G + kappa, and on a plane its vertical component."""
-        found = {
+        conserved = {
             "energy": dot(self.momentum, self.spin) / 2,
             "momentum squared": dot(self.whole, self.whole),
         }
         if self.epsilon == 1:
-            found["vertical momentum"] = dot(self.whole, self.normal)
-        return found
+            conserved["vertical momentum"] = dot(self.whole, self.normal)
+        return conserved
 
     @cached_property
     def linear_integral(self) -> sp.Expr:
@@ -262,7 +262,7 @@ class BalancedBall:
         equations, integrals, scenes (on a sphere of radius R1, outside, inside, as a shell).
         """
         words = self.words("mass of ball and rotor" if any(self.rotor) else "mass")
-        own = {
+        common = {
             **self.ball.declared(rotor=self.rotor),
             "parameters": constants(values, words),
             "equations": self.motion.equations,
@@ -270,18 +270,18 @@ class BalancedBall:
             "measure": self.motion.measure,
         }
         if self.fixed is not None:
-            own["drawing"] = TRACES
+            common["drawing"] = TRACES
         if isinstance(self.fixed, sp.Symbol):
             around = "A shell around a sphere of a third of its radius."
             third = {self.fixed: -sp.Rational(1, 3)}
-            own["scenes"] = {
+            common["scenes"] = {
                 "default": self.scene("Outside a sphere twice as large."),
                 "inner": self.scene(
                     "Inside a sphere three times as large.", 60.0, {self.fixed: -3}
                 ),
                 "shell": self.scene(around, 60.0, third),
             }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     def rubber_system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The system of the ball that does not twist, without scenes of its own.
@@ -290,7 +290,7 @@ class BalancedBall:
         """
         motion, wheel = self.rubber, any(self.rotor)
         words = self.words(radius="radius" if self.fixed is None else "radius of the ball")
-        own = {
+        common = {
             **self.ball.declared(rotor=self.rotor, twists=False),
             "parameters": constants(values, words),
             "equations": motion.equations,
@@ -298,7 +298,7 @@ class BalancedBall:
             "measure": motion.measure,
             **({"poisson": motion.poisson} if wheel else {"multiplier": motion.reducer}),
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
 
 @dataclass(frozen=True)
@@ -335,8 +335,8 @@ class SymmetricBallMotion:
     @cached_property
     def b(self) -> sp.Expr:
         """D (C - A)/(C + D)."""
-        own, (a, _, c) = self.ball.contact_inertia, self.ball.inertia
-        return own * (c - a) / (c + own)
+        steiner, (a, _, c) = self.ball.contact_inertia, self.ball.inertia
+        return steiner * (c - a) / (c + steiner)
 
     @cached_property
     def partner(self) -> sp.Expr:

@@ -160,7 +160,7 @@ class BallOnRevolution:
         ball = Shape.ball(
             self.radius, centre=self.centre, contact=self.contact, attitude=ATTITUDE.matrix
         )
-        own = {
+        common = {
             "sketch": bowl_sketch(u, PHI, ANGLES, outline, measured),
             "fibration": Fibration((u, PHI, ANGLES[2]), ANGLES[:2]),
             "frame": self.frame,
@@ -180,7 +180,7 @@ class BallOnRevolution:
             "essential": (u, *RATES),
             "shapes": shapes_of_known((ball, ground)),
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     @property
     def _words(self) -> Words:

@@ -148,12 +148,12 @@ class RollingBall:
 
         def of_axes(ball: RollingBall) -> dict[str, Any]:
             normal = dict(zip(GAMMA, ball.normal, strict=True))
-            own = ball.energy + dot(momentum, ball.spin)
+            kinetic = ball.energy + dot(momentum, ball.spin)
             spin = dict(zip(OMEGA, ball.spin, strict=True))
             beside = {} if twists else {OMEGA[2]: spin.pop(OMEGA[2])}
             return {
                 "frame": Frame.quasi(spin, beside),
-                "lagrangian": own - height.xreplace(normal),
+                "lagrangian": kinetic - height.xreplace(normal),
             }
 
         u, v, theta = self.base
@@ -197,9 +197,12 @@ def contact_momentum(
     ``inertia`` are the principal moments about the centre, ``carried`` is D = m R2^2, the mass
     times the square of the ball's radius, and the ball does not slip [Chaplygin1903].
     """
-    moments, own = three(inertia, "the moments of a ball"), expression(carried, "m R2^2 of a ball")
+    moments, steiner = (
+        three(inertia, "the moments of a ball"),
+        expression(carried, "m R2^2 of a ball"),
+    )
     spin, normal = three(omega, "an angular velocity"), three(gamma, "a normal")
     twist = dot(spin, normal)
     return sp.ImmutableMatrix(
-        [i * w + own * (w - twist * g) for i, w, g in zip(moments, spin, normal, strict=True)]
+        [i * w + steiner * (w - twist * g) for i, w, g in zip(moments, spin, normal, strict=True)]
     )

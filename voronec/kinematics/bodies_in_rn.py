@@ -124,48 +124,48 @@ class BodyInRn:
     @cached_property
     def equations(self) -> dict[str, Equation]:
         """The equations of the momentum, and of gamma over a sphere."""
-        body, gamma, found = self.body, self.normal, {}
+        body, gamma, laws = self.body, self.normal, {}
         if self.twists:
             momentum, turning = skew(self.momenta, self.dimension), body.matrix
             rate = skew_entries(momentum * turning - turning * momentum)
-            found["momentum"] = Equation(self.momenta, rate)
+            laws["momentum"] = Equation(self.momenta, rate)
             if self.fixed is None:
                 along, square = momentum * gamma, wedge_square(momentum)
-                found["momentum of the normal"] = Equation(along, body.apparent_rate(along))
+                laws["momentum of the normal"] = Equation(along, body.apparent_rate(along))
                 if self.dimension == 5:
-                    found["momentum wedge momentum"] = Equation(square, body.apparent_rate(square))
+                    laws["momentum wedge momentum"] = Equation(square, body.apparent_rate(square))
         else:
             along = body.normal_momentum(self.momenta)
             entries = [i * w for i, w in zip(self.contact_moments, body.angular, strict=True)]
             slipping = (1 - self.epsilon) * skew(entries, self.dimension) * body.matrix * gamma
-            found["momentum"] = Equation(along, body.apparent_rate(along) + slipping)
+            laws["momentum"] = Equation(along, body.apparent_rate(along) + slipping)
         if self.fixed is not None:
-            found["normal"] = Equation(gamma, self.epsilon * body.apparent_rate(gamma))
-        return found
+            laws["normal"] = Equation(gamma, self.epsilon * body.apparent_rate(gamma))
+        return laws
 
     @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """The energy, and what is constant because G or G gamma is fixed in space."""
         momenta, gamma, plane = sp.Matrix(self.momenta), self.normal, self.fixed is None
-        found = {"energy": momenta.dot(sp.Matrix(self.velocities)) - self.energy}
+        conserved = {"energy": momenta.dot(sp.Matrix(self.velocities)) - self.energy}
         if not self.twists:
             along = self.body.normal_momentum(self.momenta)
-            return {**found, "momentum squared": along.dot(along)} if plane else found
+            return {**conserved, "momentum squared": along.dot(along)} if plane else conserved
         momentum = skew(self.momenta, self.dimension)
         along, square = momentum * gamma, wedge_square(momentum)
-        found["momentum squared"] = sp.Add(*(p**2 for p in self.momenta))
+        conserved["momentum squared"] = sp.Add(*(p**2 for p in self.momenta))
         if plane:
-            found["momentum of the normal squared"] = along.dot(along)
+            conserved["momentum of the normal squared"] = along.dot(along)
             if self.dimension == 3:
                 axial = sp.Matrix([momentum[2, 1], momentum[0, 2], momentum[1, 0]])
-                found["vertical momentum"] = axial.dot(gamma)
+                conserved["vertical momentum"] = axial.dot(gamma)
         if self.dimension == 4:
-            found["momentum wedge momentum"] = square[0]
+            conserved["momentum wedge momentum"] = square[0]
         if self.dimension == 5:
-            found["momentum wedge momentum squared"] = square.dot(square)
+            conserved["momentum wedge momentum squared"] = square.dot(square)
             if plane:
-                found["momentum wedge momentum along the normal"] = square.dot(gamma)
-        return found
+                conserved["momentum wedge momentum along the normal"] = square.dot(gamma)
+        return conserved
 
     @property
     def measure(self) -> Measure:
@@ -242,7 +242,7 @@ class BodyInRn:
             sketch = rolling_sketch(on=on, gamma=gamma, note=f"in $R^{self.dimension}$")
         else:
             sketch = pinned_sketch(gamma=gamma)
-        own = {
+        common = {
             "fibration": Fibration(body.normal, relations=(gamma.dot(gamma) - 1,)),
             "frame": Frame.group(
                 self.velocities,
@@ -263,7 +263,7 @@ class BodyInRn:
             "meanings": self._meanings,
             "sketch": sketch,
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     @property
     def _meanings(self) -> dict[Any, str]:
@@ -300,8 +300,8 @@ class BodyInRn:
     def relation_in_space(self, name: str, target: str) -> Relation:
         """From ``name`` for n = 3, which this is, to the same in ordinary coordinates."""
         state, moments = self.in_space
-        own = {s: s for s in (self.fixed, self.radius, self.mass) if isinstance(s, sp.Symbol)}
-        given = {**own, **moments}
+        kept = {s: s for s in (self.fixed, self.radius, self.mass) if isinstance(s, sp.Symbol)}
+        given = {**kept, **moments}
         return Relation(f"{name}@3", target, state, given, note="three dimensions")
 
     def large_sphere(

@@ -129,7 +129,7 @@ class BodyOnPlane:
         lever = sp.Matrix([0, rate.coeff(TAU) * weight * self.slope, 0])
         arm = self.rolling.arm
         inertia = self.moments[0] + self.mass * dot(arm, arm)
-        own = {
+        common = {
             "sketch": rolling_sketch(
                 body="ellipsoid", contact=(self.coordinate, V), place=(X, Y), turned=THETA
             ),
@@ -149,7 +149,7 @@ class BodyOnPlane:
             "essential": (self.coordinate, *SPINS),
             "shapes": self.shapes,
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     @property
     def _words(self) -> Words:

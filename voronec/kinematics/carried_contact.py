@@ -105,8 +105,8 @@ class CarriedContact:
             (e, c * f - b * n),
             (f, a * n - c * e),
         )
-        found = [pair for q, rate in pairs for pair in zip(q, rate, strict=True)]
-        return dict(found) | turned
+        entries = [pair for q, rate in pairs for pair in zip(q, rate, strict=True)]
+        return dict(entries) | turned
 
     def trace(self, known: dict[sp.Expr, sp.Expr]) -> sp.Matrix:
         """The velocity of the contact over the body, where those of (u, v) are ``known``."""
@@ -140,7 +140,7 @@ class CarriedContact:
         kappa = three(rotor, "the momentum of a rotor")
         words = {self.mass: ("mass", True), **moment_words(self.inertia), **rotor_words(kappa)}
         place, arm, *lines = self.vectors
-        own = {
+        common = {
             "fibration": Fibration(self.base, tuple(self.rates)),
             "frame": Frame.quasi(self.spin),
             "lagrangian": self.kinetic + dot(self.omega, kappa),
@@ -167,7 +167,7 @@ class CarriedContact:
                 lines=lines,
             ),
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     def momentum_rate(self, rotor: Sequence[Any] = (0, 0, 0)) -> sp.ImmutableMatrix:
         """dG/dt = (G + kappa) x omega + m dr/dt x (omega x r), kappa the momentum of a rotor."""
@@ -178,18 +178,18 @@ class CarriedContact:
 
 def carried_vectors(arm: Any, frame: sp.MatrixBase) -> dict[str, sp.Expr]:
     """r, e and f of a body whose moving ``frame`` [e f n] is known, along its axes."""
-    found = {"r": sp.Matrix(arm), "e": frame.col(0), "f": frame.col(1)}
-    return {f"{name}{i + 1}": x for name, vector in found.items() for i, x in enumerate(vector)}
+    vectors = {"r": sp.Matrix(arm), "e": frame.col(0), "f": frame.col(1)}
+    return {f"{name}{i + 1}": x for name, vector in vectors.items() for i, x in enumerate(vector)}
 
 
 def form_values(contact: RollingContact) -> dict[str, sp.Expr]:
     """The values that the functions of ``unknown_forms`` have for two surfaces that are known."""
-    found: dict[str, sp.Expr] = {}
+    forms: dict[str, sp.Expr] = {}
     for surface, mark in ((contact.body, ""), (contact.fixed, "1")):
         for letter, pair in zip("Lkb", curvature_lines(surface), strict=True):
             for name, value in zip("uv", pair, strict=True):
-                found[f"{letter}_{name}{mark}"] = value
-    return found
+                forms[f"{letter}_{name}{mark}"] = value
+    return forms
 
 
 def unknown_forms(u: sp.Expr, v: sp.Expr, mark: str = "") -> SurfaceForms:

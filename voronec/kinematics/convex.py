@@ -49,8 +49,8 @@ class ConvexBody:
         reach = [s * g for s, g in zip(squares, gamma, strict=True)]
 
         def radius(i: int, j: int) -> sp.Expr:
-            own = squares[i] / h if i == j else sp.Integer(0)
-            return own - reach[i] * reach[j] / h**3
+            diagonal = squares[i] / h if i == j else sp.Integer(0)
+            return diagonal - reach[i] * reach[j] / h**3
 
         arm = column([-x / h for x in reach])
         return cls(column(gamma), h, arm, sp.ImmutableMatrix(3, 3, radius))

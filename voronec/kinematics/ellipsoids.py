@@ -264,8 +264,8 @@ class RollingEllipsoid:
             raise DefinitionError("only a spheroid on a sphere is known by the forms of surfaces")
         frame = Surface.sphere(1, *self.coordinates).frame
         arm = apply_matrix(frame, (derivative(self.height, self.coordinates[0]), 0, self.height))
-        own = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
-        return {**own, **carried_vectors(arm, frame)}, form_values(self.surfaces)
+        state = {q: q for q in (*self.base, *self.fibre, *OMEGA)}
+        return {**state, **carried_vectors(arm, frame)}, form_values(self.surfaces)
 
     @property
     def shapes(self) -> tuple[Shape, Shape]:
@@ -316,7 +316,7 @@ class RollingEllipsoid:
         and gyroscope have an axis of symmetry there is a measure [BorisovMamaev2002].
         """
         kappa, weight = three(rotor, "the momentum of a rotor"), self.mass * gravity
-        own = {
+        common = {
             "fibration": Fibration(self.base, self.fibre, self.relations),
             "frame": Frame.quasi(self.spin),
             "lagrangian": self.kinetic - weight * self.invariants["height"] + dot(kappa, OMEGA),
@@ -345,8 +345,8 @@ class RollingEllipsoid:
         is_round = self.axes[0] == self.axes[1] and self.inertia[0] == self.inertia[1]
         if is_round and not any(kappa[:2]):
             spread = 1 if self.sphere is None else self.body.curvature_product(self.sphere)
-            own["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
-        return join_declarations(own, declared)
+            common["measure"] = Measure(self.density * spread, (*GAMMA, HEIGHT, *OMEGA))
+        return join_declarations(common, declared)
 
     def _words(self, rotor: Vector, gravity: Any) -> Words:
         """What its constants are."""

@@ -34,7 +34,7 @@ def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:
 
     ``words`` say what each of them is; a ``Parameter`` in the place of a value says it itself.
     """
-    found: list[Parameter] = []
+    parameters: list[Parameter] = []
     for names, value in fixed_mapping(values, "values", "symbol: value").items():
         single = not isinstance(names, Sequence)
         symbols, numbers = ((names,), (value,)) if single else (names, tuple(value))
@@ -43,8 +43,8 @@ def constants(values: Mapping[Any, Any], words: Words) -> tuple[Parameter, ...]:
                 f"{', '.join(map(str, symbols))} have {len(numbers)} values; give one for each"
             )
         for symbol, number in zip(symbols, numbers, strict=True):
-            found.append(_constant(symbol, number, words))
-    return tuple(found)
+            parameters.append(_constant(symbol, number, words))
+    return tuple(parameters)
 
 
 def _constant(symbol: sp.Expr, value: Any, words: Words) -> Parameter:

@@ -174,10 +174,10 @@ class SurfaceForms:
         for q, turn, step in along:
             moved = [(vector, (sp.Integer(0),) * 3) for vector in vectors]
             moved += [] if self.support is None else [(self.support, step)]
-            for vector, own in moved:
+            for vector, rate in moved:
                 turned = cross(turn, vector)
                 pairs += [
-                    (derivative(x, q), a - b) for x, a, b in zip(vector, own, turned, strict=True)
+                    (derivative(x, q), a - b) for x, a, b in zip(vector, rate, turned, strict=True)
                 ]
             for tensor in tensors:
                 change = tensor * _hat(turn) - _hat(turn) * tensor
@@ -220,10 +220,10 @@ class SurfaceForms:
 def two(things: Any, what: str) -> tuple[sp.Expr, sp.Expr]:
     """Two expressions out of a sequence; ``what`` names them in errors."""
     entries = things if isinstance(things, Iterable) else ()
-    found = tuple(expression(thing, what) for thing in entries)
-    if len(found) != 2:
+    pair = tuple(expression(thing, what) for thing in entries)
+    if len(pair) != 2:
         raise DefinitionError(f"{what} are two, got '{quote(things)}'")
-    return found[0], found[1]
+    return pair[0], pair[1]
 
 
 def curvature_lines(surface: Surface | SurfaceForms) -> tuple[tuple[sp.Expr, sp.Expr], ...]:

@@ -129,7 +129,7 @@ class BodyVelocity:
     def rotations(self) -> Mapping[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]]:
         """The brackets of SO(n), by the names of the velocities."""
         name = dict(zip(self.pairs, self.angular, strict=True))
-        found: dict[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]] = {}
+        brackets: dict[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]] = {}
         for p, q in combinations(self.pairs, 2):
             shared = {*p} & {*q}
             if len(shared) != 1:
@@ -137,38 +137,38 @@ class BodyVelocity:
             k = shared.pop()
             (i,), (j,) = {*p} - {k}, {*q} - {k}  # [E_ik, E_kj] = E_ij
             sign = (1 if p == (i, k) else -1) * (1 if q == (k, j) else -1)
-            found[name[p], name[q]] = {name[min(i, j), max(i, j)]: sign if i < j else -sign}
-        return found
+            brackets[name[p], name[q]] = {name[min(i, j), max(i, j)]: sign if i < j else -sign}
+        return brackets
 
     @cached_property
     def motions(self) -> Mapping[tuple[sp.Symbol, sp.Symbol], Mapping[sp.Symbol, int]]:
         """The brackets of SE(n)."""
-        found = dict(self.rotations)
+        brackets = dict(self.rotations)
         for (i, j), omega in zip(self.pairs, self.angular, strict=True):
             at, to = self.linear[i - 1], self.linear[j - 1]
-            found[omega, to] = {at: 1}
-            found[omega, at] = {to: -1}
-        return found
+            brackets[omega, to] = {at: 1}
+            brackets[omega, at] = {to: -1}
+        return brackets
 
 
 def _check_count(entries: Sequence[Any], dimension: int) -> list[sp.Expr]:
     """As many expressions as there are pairs of axes."""
-    found = [expression(entry, "an entry") for entry in entries]
-    if dimension not in DIMENSIONS or len(found) != dimension * (dimension - 1) // 2:
+    above = [expression(entry, "an entry") for entry in entries]
+    if dimension not in DIMENSIONS or len(above) != dimension * (dimension - 1) // 2:
         raise DefinitionError(
-            f"{len(found)} entries for {quote(dimension)} dimensions; give n (n - 1) / 2 of them, "
+            f"{len(above)} entries for {quote(dimension)} dimensions; give n (n - 1) / 2 of them, "
             f"with n from {DIMENSIONS[0]} to {DIMENSIONS[-1]}"
         )
-    return found
+    return above
 
 
 @accepts(entries=SEQUENCE, dimension=COUNT)
 def skew(entries: Sequence[Any], dimension: int) -> sp.ImmutableMatrix:
     """The skew matrix, n x n for n = ``dimension``, with these n (n - 1)/2 entries above the
     diagonal, row by row; another number of them raises ``DefinitionError``."""
-    found = _check_count(entries, dimension)
+    above = _check_count(entries, dimension)
     table = sp.zeros(dimension, dimension)
-    for (i, j), entry in zip(combinations(range(dimension), 2), found, strict=True):
+    for (i, j), entry in zip(combinations(range(dimension), 2), above, strict=True):
         table[i, j], table[j, i] = entry, -entry
     return sp.ImmutableMatrix(table)
 

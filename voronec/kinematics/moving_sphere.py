@@ -134,8 +134,8 @@ class BallOnMovingSphere:
     def momentum(self) -> sp.Matrix:
         """G, the momentum about the contact, without the gyroscope."""
         pace = 1 if self.is_free else self.rate
-        own = contact_momentum(self.inertia, self.mass * self.radius**2, OMEGA, GAMMA)
-        return own + self.mass * self.fixed * self.radius * pace * self.across(self.swirl)
+        at_rest = contact_momentum(self.inertia, self.mass * self.radius**2, OMEGA, GAMMA)
+        return at_rest + self.mass * self.fixed * self.radius * pace * self.across(self.swirl)
 
     @cached_property
     def whole(self) -> sp.Matrix:
@@ -145,9 +145,9 @@ class BallOnMovingSphere:
     @cached_property
     def sphere_momentum(self) -> sp.Matrix:
         """N = J W + m R1^2 W_t + m R1 R2 omega_t of a free sphere, which is constant in space."""
-        own = self.mass * self.fixed
-        turning = self.moment * self.swirl + own * self.fixed * self.across(self.swirl)
-        return turning + own * self.radius * self.across(self.spin)
+        static = self.mass * self.fixed
+        turning = self.moment * self.swirl + static * self.fixed * self.across(self.swirl)
+        return turning + static * self.radius * self.across(self.spin)
 
     def measure(self, carried: Any) -> Measure:
         """That of a ball on a sphere at rest whose D is ``carried``."""
@@ -164,28 +164,28 @@ class BallOnMovingSphere:
     def equations(self) -> dict[str, Equation]:
         """Those of G and gamma; of N where the sphere is free, of zeta where it is kept turning."""
         spin = self.spin
-        found = {"momentum": Equation(tuple(self.momentum), cross(self.whole, spin))}
+        laws = {"momentum": Equation(tuple(self.momentum), cross(self.whole, spin))}
         if self.is_free:
             driven = Equation(tuple(self.sphere_momentum), cross(self.sphere_momentum, spin))
-            found["momentum of the sphere"] = driven
-        found["normal"] = Equation(GAMMA, self._normal_rate(GAMMA, self.swirl))
+            laws["momentum of the sphere"] = driven
+        laws["normal"] = Equation(GAMMA, self._normal_rate(GAMMA, self.swirl))
         if not self.is_free:
-            found["vertical"] = Equation(ZETA, cross(self.swirl, spin))
-        return found
+            laws["vertical"] = Equation(ZETA, cross(self.swirl, spin))
+        return laws
 
     def system(self, *, values: Mapping[Any, Any], **declared: Any) -> System:
         """The system of this ball, with ``values`` of its constants, and what is special to it.
 
         The entries of ``declared`` that are mappings are added to those which every such ball has.
         """
-        own = {
+        common = {
             **self._geometry(),
             **self._drawing(),
             "meanings": self._words(),
             "parameters": constants(values, self._constants()),
             "equations": self.equations,
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)
 
     def _geometry(self) -> dict[str, Any]:
         """Coordinates, velocities, Lagrangian, constraints."""

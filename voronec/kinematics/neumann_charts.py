@@ -55,9 +55,9 @@ def turned_poles(
     singular = ball.singular * fixed.singular
     both = {**turned, **fixed.state, theta: theta - ball.angle - fixed.angle}
     sheets = (flipped, {**fixed.sheet, theta: theta + sp.pi})
-    own = {**turned, theta: theta - ball.angle}
+    single = {**turned, theta: theta - ball.angle}
     return {
-        "pole of the ball turned": Chart(own, singular, changes, double_cover=sheets[:1]),
+        "pole of the ball turned": Chart(single, singular, changes, double_cover=sheets[:1]),
         **_of_sphere(fixed, theta, singular),
         "both poles turned": Chart(both, singular, changes, double_cover=sheets),
     }

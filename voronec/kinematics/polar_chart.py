@@ -92,10 +92,10 @@ class _ChartImage:
 
     def regular(self, given: Any, what: str) -> sp.Expr:
         """A declared function in the chart; ``DefinitionError`` where it has no value at r = 0."""
-        (found,) = shorten([self._of(expression(given, what))])
-        if not self._is_regular(found):
+        (image,) = shorten([self._of(expression(given, what))])
+        if not self._is_regular(image):
             raise DefinitionError(f"{what} is singular where {self.r} = 0, in x and y as well")
-        return found
+        return image
 
     def _of(self, expr: sp.Expr) -> sp.Expr:
         opened = sp.expand_trig(expr)
@@ -130,9 +130,9 @@ class _ChartImage:
             ends = [e.xreplace(axis) for e in (below, *above)]
             if below == 0 or (ends[0] == 0 and any(e not in (0, se.nan) for e in ends[1:])):
                 continue  # the solution is infinite there
-            found = [bridge.outward(e) for e in shortest([x / below for x in above])]
-            if all(map(self._is_regular, found)):
-                return tuple(v + x for v, x in zip(chosen, found, strict=True))
+            solution = [bridge.outward(e) for e in shortest([x / below for x in above])]
+            if all(map(self._is_regular, solution)):
+                return tuple(v + x for v, x in zip(chosen, solution, strict=True))
         raise DefinitionError(
             f"the constraints are singular where {self.r} = 0, in x and y as well"
         )

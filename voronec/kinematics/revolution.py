@@ -86,8 +86,8 @@ class BodyOfRevolution:
 
     def turning_momentum(self, omega: sp.Matrix) -> sp.Matrix:
         """I omega = A omega + (C - A)(omega, e) e."""
-        own = (self.axial - self.equatorial) * dot(self.axis, omega) * self.axis
-        return self.equatorial * omega + own
+        along = (self.axial - self.equatorial) * dot(self.axis, omega) * self.axis
+        return self.equatorial * omega + along
 
     @property
     def arm(self) -> sp.Matrix:
@@ -102,8 +102,8 @@ class BodyOfRevolution:
     @cached_property
     def momentum(self) -> sp.Matrix:
         """G, the angular momentum about the contact, without the gyroscope."""
-        arm, own = self.arm, self.turning_momentum(sp.Matrix(SPINS))
-        return own + self.mass * column(cross(arm, cross(SPINS, arm)))
+        arm, turning = self.arm, self.turning_momentum(sp.Matrix(SPINS))
+        return turning + self.mass * column(cross(arm, cross(SPINS, arm)))
 
     @cached_property
     def momentum_rate(self) -> sp.Matrix:
@@ -134,9 +134,9 @@ class BodyOfRevolution:
         normal = Surface.sphere(1, *fixed.coordinates)
         attitude = RollingContact(body, normal, self.contact.theta).attitude
         place = sp.Matrix(three(touched, "a place"))
-        own = Shape.surface(body.coordinates, body.position, getattr(body, "ranges", None))
+        shape = Shape.surface(body.coordinates, body.position, getattr(body, "ranges", None))
         centre = place - matrix_product(attitude, body.position)
-        return replace(own, centre=centre, attitude=attitude, contact=place), ground
+        return replace(shape, centre=centre, attitude=attitude, contact=place), ground
 
     def system(
         self,
@@ -152,7 +152,7 @@ class BodyOfRevolution:
         coordinates, by the names of the invariants that they are, bound by ``relations``.
         The equations close in cosines and sines of u, theta, u1, and these.
         """
-        own = {
+        entries = {
             **self._declaration(),
             **self._claims(further),
             "fibration": Fibration(
@@ -173,7 +173,7 @@ class BodyOfRevolution:
                 wheel=wheel_of((self.rotor,)),
             ),
         }
-        return join_declarations(own, declared)
+        return join_declarations(entries, declared)
 
     def _declaration(self) -> dict[str, Any]:
         """Frame, Lagrangian and constraints of the body whose place and contact are carried."""
@@ -272,8 +272,8 @@ class TorusOnEllipsoid:
         on an ellipsoid of semi-axes 3 and 2.  The motion of the scene begins on the equator of the
         ellipsoid; ``caption`` is its own.
         """
-        own = {} if values is None else fixed_mapping(values, "values", "symbol: value")
-        values = {**self._usual, **own}
+        entries = {} if values is None else fixed_mapping(values, "values", "symbol: value")
+        values = {**self._usual, **entries}
         a, c = self.axes
         u, v, u1, v1, theta = self.body.contact.coordinates
         around, up = a * sp.sin(u1) / SLANT, c**2 * sp.cos(u1) / (a * SLANT)
@@ -281,7 +281,7 @@ class TorusOnEllipsoid:
         start = {"chi": 1, u: 1, theta: 1, u1: sp.pi / 2, SLANT: 1}
         start |= dict(zip(SPINS, (1, "1/2", 2), strict=True))
         outputs = (u, v, u1, v1, theta)
-        own = {
+        entries = {
             "relations": (a**2 * (SLANT**2 - sp.sin(u1) ** 2) - c**2 * sp.cos(u1) ** 2,),
             "meanings": {
                 SLANT: "root of sin(u1)^2 + (c/a)^2 cos(u1)^2, which gives the curvature of the "
@@ -292,7 +292,7 @@ class TorusOnEllipsoid:
             "drawing": {"on the ellipsoid, by its normal": ("u1", "v1")},
             "shapes": self.body.shapes(touched, Shape.ellipsoid((a, a, c), role="ground")),
         }
-        return self.body.system(further={"slant": SLANT}, **{**own, **declared})
+        return self.body.system(further={"slant": SLANT}, **{**entries, **declared})
 
     @property
     def _usual(self) -> dict[Any, Any]:

@@ -171,11 +171,11 @@ class RollingContact:
         x, y = -(b * s + q * tau) / (p * q - b**2), (p * s + b * tau) / (p * q - b**2)
         steps = (x, y, y * c - x * sine, x * c + y * sine)
         known = zip(self.coordinates[:4], steps, (*lengths, *fixed_lengths), strict=True)
-        found = {a: step / length for a, step, length in known}
-        dots = {velocity(a): rate for a, rate in found.items()}
-        own, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
-        found[self.theta] = -n - as_expression(own + carried).xreplace(dots)
-        return found
+        rates = {a: step / length for a, step, length in known}
+        dots = {velocity(a): rate for a, rate in rates.items()}
+        moving, carried = self.body.frame_rates[2], self.fixed.frame_rates[2]
+        rates[self.theta] = -n - as_expression(moving + carried).xreplace(dots)
+        return rates
 
     def _rotate(self, vector: Vector) -> Vector:
         """Q vector, and Q^T vector, which is the same."""

@@ -129,8 +129,8 @@ def _euler(sequence: str, names: tuple[sp.Expr, ...]) -> Rotation:
     turns = [turn_about("xyz".index(axis), angle).tolist() for axis, angle in pairs]
     back = [[*zip(*turn, strict=True)] for turn in turns]
     first, second, third = (
-        tuple(velocity(angle) if axis == own else sp.Integer(0) for axis in "xyz")
-        for own, angle in pairs
+        tuple(velocity(angle) if axis == letter else sp.Integer(0) for axis in "xyz")
+        for letter, angle in pairs
     )
     # from the inside out: turns carry the rates about the axes before them, or behind
     body = _sum(third, apply_matrix(back[2], _sum(second, apply_matrix(back[1], first))))

@@ -109,11 +109,11 @@ class RubberMotion:
     @cached_property
     def integrals(self) -> dict[str, sp.Expr]:
         """The energy, and where epsilon = 1 the square of the part of G + kappa across gamma."""
-        found = {"energy": self.energy}
+        conserved = {"energy": self.energy}
         if self.epsilon == 1:
             across = dot(self.whole, self.whole) - dot(self.whole, self.normal) ** 2
-            found["momentum across the normal"] = across
-        return found
+            conserved["momentum across the normal"] = across
+        return conserved
 
     @cached_property
     def quadratic_integral(self) -> sp.Expr:
@@ -183,7 +183,7 @@ class RubberMotion:
         spin = column(cross([velocity(g) for g in place], place)) / self.epsilon
         start = {GAMMA[0]: "12/13", GAMMA[2]: "5/13", names[0]: "1/20", names[1]: "1/5"}
         caption = f"The trace of the {end} on {whose}."
-        own = {
+        common = {
             "sketch": particle_sketch(place),
             "fibration": Fibration(place, (), (dot(place, place) - 1,)),
             "frame": Frame.quasi(dict(zip(names, spin, strict=False))),
@@ -199,4 +199,4 @@ class RubberMotion:
             "scenes": {"default": Scene(start, (0.0, 10.0), {}, tuple(place), caption)},
             "shapes": (Shape.ball(0.1, centre=place, contact=place), Shape.ball(1, role="ground")),
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)

@@ -109,7 +109,7 @@ class Sleigh:
             self.inertia: ("inertia about the centre of mass", True),
             self.ahead: ("centre of mass, before the blade", False),
         }
-        own = {
+        common = {
             "sketch": self.sketch,
             "fibration": Fibration((X, HEADING), (Y,)),
             "frame": Frame.quasi({SPEED: self.forward, TURN_RATE: velocity(HEADING)}),
@@ -120,4 +120,4 @@ class Sleigh:
             "essential": RATES,
             "shapes": sleigh_shapes(PLACE, HEADING, self.ahead),
         }
-        return join_declarations(own, declared)
+        return join_declarations(common, declared)

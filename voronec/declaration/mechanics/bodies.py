@@ -172,14 +172,14 @@ def free_body(body: Any, frame: Any, read: Components, places: Places) -> FreeBo
             "which the coordinates determine; add coordinates for its orientation with their "
             "kinematic equations, and what binds them, as of a quaternion"
         )
-    own = inertia.args[0][1].args[0][1]
-    turning = in_one_line(lambda: own.ang_vel_in(frame), what)
+    axes = inertia.args[0][1].args[0][1]
+    turning = in_one_line(lambda: axes.ang_vel_in(frame), what)
     return replace(
         moved,
-        inertia=read.dyadic(inertia, own),
-        omega=read.of(turn, own),
-        turning=read.of(turning, own),
-        axes=own,
+        inertia=read.dyadic(inertia, axes),
+        omega=read.of(turn, axes),
+        turning=read.of(turning, axes),
+        axes=axes,
     )
 
 
@@ -272,10 +272,10 @@ class Components:
     def of(self, vector: Any, frame: Any) -> list[Any]:
         """The components of a vector along the axes of a frame."""
         total = [ZERO, ZERO, ZERO]
-        for column, own in getattr(vector, "args", ()):
+        for column, axes in getattr(vector, "args", ()):
             part = [self.read(c) for c in column]
-            if own != frame:
-                part = [dot(row, part) for row in self._turn(frame, own)]
+            if axes != frame:
+                part = [dot(row, part) for row in self._turn(frame, axes)]
             total = [a + b for a, b in zip(total, part, strict=True)]
         return total
 

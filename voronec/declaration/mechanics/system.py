@@ -120,11 +120,11 @@ class _Reading:
         model, outward = self.model, self.bridge.outward
         bodies = self._free_bodies()
         energy = self._lagrangian(bodies)
-        own, relations, kept = self._bound()
-        constraints = own + [symbol - rate for symbol, rate in self.places.rates]
+        kinematic, relations, kept = self._bound()
+        constraints = kinematic + [symbol - rate for symbol, rate in self.places.rates]
         added = tuple(outward(symbol).expr for symbol, _ in self.places.rates)
         forces = self._forces()
-        base, fibre = self._split(own, relations, [energy, *forces.values()])
+        base, fibre = self._split(kinematic, relations, [energy, *forces.values()])
         quasi = {u: outward(e) for u, e in zip(model.speeds, self.speeds.values, strict=False)}
         fibration = Fibration(base, (*added, *fibre), tuple(map(outward, relations)))
         declared: dict[str, Any] = {
@@ -178,7 +178,7 @@ class _Reading:
                 places.append(Body(0, title=str(where), **given))
             else:
                 held[i][kind] = [a + b for a, b in zip(held[i][kind], load, strict=True)]
-        own = [
+        massive = [
             Body(
                 self.bridge.outward(body.mass if any(v != 0 for v in body.velocity) else ZERO),
                 outward(body.velocity),
@@ -190,7 +190,7 @@ class _Reading:
             )
             for body, loads in zip(bodies, held, strict=True)
         ]
-        return (*own, *places)
+        return (*massive, *places)
 
     def _loads(self) -> Iterator[tuple[Any, Any, Any]]:
         """Of each load on what moves: where it acts, the velocity there, and the load."""
@@ -214,14 +214,14 @@ class _Reading:
 
     def _forces(self) -> dict[sp.Expr, Any]:
         """Q_a = F . d(velocity of what it acts on)/d(rate of the coordinate a)."""
-        found = dict.fromkeys(self.coordinates, se.Integer(0))
+        forces = dict.fromkeys(self.coordinates, se.Integer(0))
         for _, moved, vector in self._loads():
             axes = vector.args[0][1]
             force = self.read.of(vector, axes)
             rows = [self.places.form(rate) for rate in self.read.of(moved, axes)]
             for q, column in zip(self.coordinates, zip(*rows, strict=True), strict=False):
-                found[q] += dot(force, column)
-        return found
+                forces[q] += dot(force, column)
+        return forces
 
     def _bound(self) -> tuple[list[Any], list[Any], list[Any]]:
         """Constraints on velocities, relations, and configuration constraints as integrals.
@@ -229,27 +229,27 @@ class _Reading:
         Constraints that are the derivative of a relation are left out.  Where those that are left
         seem to keep a relation, but this is beyond what is decided, the relation is an integral.
         """
-        own = [self.read.read(e) for e in self.model.motion] + [*self.speeds.left_over]
+        kinematic = [self.read.read(e) for e in self.model.motion] + [*self.speeds.left_over]
         given = [self.read.read(e) for e in self.model.configuration]
         slopes = [self._slope(r) for r in given]
-        rows = [self.places.form(c) for c in own]
+        rows = [self.places.form(c) for c in kinematic]
         short = Tape([e for row in (*rows, *slopes) for e in row]).size <= LONG
         if short:
             new = [not any(_is_parallel(row, s) for s in slopes) for row in rows]
-            own = [c for c, kept in zip(own, new, strict=True) if kept]
+            kinematic = [c for c, kept in zip(kinematic, new, strict=True) if kept]
             rows = [row for row, kept in zip(rows, new, strict=True) if kept]
-        kept = self._independent(own, rows, given)
-        own, rows = [own[i] for i in kept], [rows[i] for i in kept]
+        kept = self._independent(kinematic, rows, given)
+        kinematic, rows = [kinematic[i] for i in kept], [rows[i] for i in kept]
         table = [row[:-1] for row in (*rows, *slopes)]
-        if not given or {*range(len(own), len(table))} <= {*constraint_rows(table, given)}:
-            return own, given, []
+        if not given or {*range(len(kinematic), len(table))} <= {*constraint_rows(table, given)}:
+            return kinematic, given, []
         try:
             if short:
-                solve_linear(table, [[] for _ in table], given, len(own))
-                return own, given, []
+                solve_linear(table, [[] for _ in table], given, len(kinematic))
+                return kinematic, given, []
         except EngineLimit:
             pass
-        return own, [], given
+        return kinematic, [], given
 
     def _independent(
         self, own: Sequence[Any], rows: Sequence[Sequence[Any]], relations: Sequence[Any]
@@ -296,8 +296,8 @@ class _Reading:
         """How early a coordinate goes to the fibre: those of dependent speeds, those called
         dependent, those that nothing depends on, the others."""
         model = self.model
-        own = len(model.coordinates)
-        if i >= own and self.speeds.unplaced[i - own] >= len(model.speeds):
+        count = len(model.coordinates)
+        if i >= count and self.speeds.unplaced[i - count] >= len(model.speeds):
             return 0
         if self.coordinates[i] in model.later:
             return 1
@@ -572,7 +572,7 @@ def _loads(things: Any) -> tuple[tuple[Any, Any], ...]:
     """Pairs of a point or a frame with a vector."""
     from sympy.physics.mechanics import Point, ReferenceFrame, Vector
 
-    found = []
+    pairs = []
     for load in _several(things):
         pair = tuple(load) if isinstance(load, Iterable) else ()
         kinds = len(pair) == 2 and isinstance(pair[0], Point | ReferenceFrame)
@@ -581,5 +581,5 @@ def _loads(things: Any) -> tuple[tuple[Any, Any], ...]:
                 f"from_mechanics: the load '{quote(load)}' is no pair of a Point or a "
                 "ReferenceFrame with a Vector: it acts along nothing that has a velocity"
             )
-        found.append(pair)
-    return tuple(p for p in found if p[1] != 0)
+        pairs.append(pair)
+    return tuple(p for p in pairs if p[1] != 0)
