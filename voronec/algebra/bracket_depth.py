@@ -20,10 +20,10 @@ DEEP = 3
 
 def depth(text: str) -> int:
     """How deep brackets are nested."""
-    found = most = 0
+    level = most = 0
     for letter in text:
-        found += (letter == "(") - (letter == ")")
-        most = max(most, found)
+        level += (letter == "(") - (letter == ")")
+        most = max(most, level)
     return most
 
 
@@ -46,35 +46,35 @@ class BracketDepth:
         self._turned: dict[Any, int] = {}
         self._named: dict[Sum, tuple[int, int]] = {}
         for letter, parts in names:
-            new, own, terms = letter, parts, alphabet.letters[letter].terms
+            new, positive, terms = letter, parts, alphabet.letters[letter].terms
             if terms and alphabet.text(parts).startswith("-"):  # what is positive has the name
-                own, opposite = negate(parts), {m: -c for m, c in terms.items()}
+                positive, opposite = negate(parts), {m: -c for m, c in terms.items()}
                 new = self._turned[letter] = alphabet.name(alphabet.names[letter], opposite)
-            self._define(new, own)
+            self._define(new, positive)
 
     def fold(self, sides: Iterable[Sum]) -> list[Sum]:
         """Sides of equations with names, which stand in what is named too."""
-        found = [*sides]
+        folded = [*sides]
         for _ in range(2):
-            found = [*map(self._side, found)]
+            folded = [*map(self._side, folded)]
             for i in [*self.definitions]:
                 self.definitions[i] = self._side(self.definitions[i])
-        return found
+        return folded
 
     def read_in_order(self, sides: Iterable[Sum]) -> list[int]:
         """The names as a reader meets them, each after those that it is defined by."""
         left = {self.alphabet.letter_text(i): i for i in self.definitions}
-        found: list[int] = []
+        letters: list[int] = []
 
         def read(parts: Sum) -> None:
             for word in re.findall(r"\w+", self.alphabet.text(parts)):
                 if (letter := left.pop(word, None)) is not None:
                     read(self.definitions[letter])
-                    found.append(letter)
+                    letters.append(letter)
 
         for parts in sides:
             read(parts)
-        return found
+        return letters
 
     def _side(self, parts: Sum) -> Sum:
         return tuple(self._product(product, self._room) for product in parts)
@@ -105,8 +105,8 @@ class BracketDepth:
         if not isinstance(base, int):
             return tuple(base)
         terms = self.alphabet.letters[base].terms
-        own = terms is not None and base not in self.alphabet.named
-        return self.alphabet.arrange(terms or {}) if own else None
+        is_unnamed = terms is not None and base not in self.alphabet.named
+        return self.alphabet.arrange(terms or {}) if is_unnamed else None
 
     def _leads(self, base: Any) -> bool:
         """Whether accelerations stand in brackets: they stay on the left side."""
@@ -117,10 +117,10 @@ class BracketDepth:
     def _name(self, parts: Sum) -> tuple[int, int]:
         """The letter that is named for a sum, or for its negative, and the sign."""
         if parts not in self._named:
-            own = negate(parts) if self.alphabet.text(parts).startswith("-") else parts
-            letter = self._fresh(own, self.definitions)
-            self._define(letter, own)
-            self.definitions[letter] = self._side(own)
+            positive = negate(parts) if self.alphabet.text(parts).startswith("-") else parts
+            letter = self._fresh(positive, self.definitions)
+            self._define(letter, positive)
+            self.definitions[letter] = self._side(positive)
         return self._named[parts]
 
     def _define(self, letter: int, parts: Sum) -> None:

@@ -48,13 +48,13 @@ def _nest(expr: Any, still: set[Any], choice: Choice, memo: dict[Any, Any]) -> A
 
 def factor_exponents(term: Any) -> dict[Any, int]:
     """A term as {factor: exponent}; numbers and odd powers are factors of their own."""
-    found: dict[Any, int] = {}
+    exponents: dict[Any, int] = {}
     for factor in factors_of(term):
         base, exponent = factor, 1
         if isinstance(factor, se.Pow) and isinstance(factor.args[1], se.Integer):
             base, exponent = factor.args[0], int(factor.args[1])
-        found[base] = found.get(base, 0) + exponent
-    return found
+        exponents[base] = exponents.get(base, 0) + exponent
+    return exponents
 
 
 def bracket(

@@ -82,9 +82,9 @@ def product_of(
     if not relations or has_simple_zeros(plain.odd, relations, moving):
         return plain
     for turned in _reorderings(ring, (value.num, below), [ring.fraction(r).num for r in relations]):
-        found = _factor(ring, *turned)
-        if has_simple_zeros(found.odd, relations, moving):
-            return found
+        product = _factor(ring, *turned)
+        if has_simple_zeros(product.odd, relations, moving):
+            return product
     return plain
 
 
@@ -92,8 +92,8 @@ def divisors_of(expr: Any, relations: tuple[Any, ...] = ()) -> list[Any]:
     """The irreducible functions by which an expression is divided, but for roots."""
     ring = Ring([expr, *relations])
     below = ring.field.denominator(ring.fraction(expr).den)
-    found = _factor(ring, below, ring.field.one)
-    return [h for h in found.powers if h not in found.roots]
+    product = _factor(ring, below, ring.field.one)
+    return [h for h in product.powers if h not in product.roots]
 
 
 def _reorderings(ring: Ring, polys: Sequence[Any], ideal: Sequence[Any]) -> Iterator[list[Any]]:
@@ -218,13 +218,13 @@ class Branches:
         rooted = inside.free_symbols & self.moving and any(map(_is_root, _nodes(inside)))
         if self.relations or not rooted:
             return inside
-        found = self.product(inside)
-        for h, k in found.powers.items():
-            line = _line_in_root(h) if k < 0 and h not in found.roots else None
+        product = self.product(inside)
+        for h, k in product.powers.items():
+            line = _line_in_root(h) if k < 0 and h not in product.roots else None
             if line is not None and self._are_coprime(line):
                 rest, slope, root = line
                 norm = (rest**2 - slope**2 * root.args[0]).expand()
-                return found.without(h) * (rest - slope * root) ** -k * norm**k
+                return product.without(h) * (rest - slope * root) ** -k * norm**k
         return inside
 
     def _are_coprime(self, line: tuple[Any, Any, Any]) -> bool:
@@ -261,7 +261,7 @@ class Branches:
         elif isinstance(node, se.sign):
             self._add(node.args[0])
         elif isinstance(node, se.floor):
-            count = sum(found is not None for found in self._found.values())
+            count = sum(jump is not None for jump in self._found.values())
             whole = se.Symbol("a whole number" + f" {count + 1}" * (count > 0))
             self._found[node.args[0] - whole] = (node, whole)
         elif isinstance(node, se.atan2):
@@ -286,12 +286,12 @@ class Branches:
             return
         if not isinstance(exponent, se.Rational) or self._is_simple(base):
             return
-        found = self.product(base)
-        for h, k in found.powers.items():
+        product = self.product(base)
+        for h, k in product.powers.items():
             if k % 2 == 0 and h.free_symbols & self.moving:
                 self._found.setdefault(h)
-        if found.odd.free_symbols & self.moving and not self._is_simple(found.odd):
-            self.unclear.setdefault(found.odd)
+        if product.odd.free_symbols & self.moving and not self._is_simple(product.odd):
+            self.unclear.setdefault(product.odd)
 
     def _look_at_pole(self, argument: Any) -> None:
         if self.meets_poles and any(_divides(n) for n in _nodes(argument)):
@@ -301,9 +301,13 @@ class Branches:
 
     def _add(self, inside: Any, side: int = 0) -> None:
         """The zeros (1), the poles (-1), or both, of what stands inside."""
-        found = self.product(inside)
-        for h, k in found.powers.items():
-            if h not in found.roots and h.free_symbols & self.moving and (not side or side * k > 0):
+        product = self.product(inside)
+        for h, k in product.powers.items():
+            if (
+                h not in product.roots
+                and h.free_symbols & self.moving
+                and (not side or side * k > 0)
+            ):
                 self._found.setdefault(h)
 
     def _pieces(self, h: Any, whole: Any) -> Iterator[BranchCut]:
@@ -380,9 +384,9 @@ class _Side:
         side = side or self.side
         if self.floor or not inside.free_symbols & self.branches.moving:
             return 0, inside
-        found = self.branches.product(inside)
-        k = found.powers.get(self.h, 0)
-        return k, se.Integer(side ** abs(k)) * found.without(self.h) if k else inside
+        product = self.branches.product(inside)
+        k = product.powers.get(self.h, 0)
+        return k, se.Integer(side ** abs(k)) * product.without(self.h) if k else inside
 
     def _sign(self, inside: Any) -> Any:
         k, rest = self._split(inside)
@@ -497,20 +501,20 @@ def is_plain(expr: Any, moving: frozenset[Any], essential: bool) -> bool:
 def bounds_of(expr: Any, pieces: bool = True) -> list[Any]:
     """The functions that have to be positive for an expression to be real, but for bases under
     letters, which may be whole numbers; without ``pieces`` those in whatever piece is taken."""
-    found: dict[Any, None] = {}
+    bounds: dict[Any, None] = {}
     for node in _nodes(expr) if pieces else _nodes_of_every_piece(expr):
         if isinstance(node, (se.asin, se.acos, se.atanh)):
-            found.setdefault(1 - node.args[0] ** 2)
+            bounds.setdefault(1 - node.args[0] ** 2)
         elif isinstance(node, se.acosh):
-            found.setdefault(node.args[0] - 1)
+            bounds.setdefault(node.args[0] - 1)
         elif isinstance(node, se.log) or (
             isinstance(node, se.Pow)
             and node.args[0] != se.E
             and not isinstance(node.args[1], se.Integer)
             and not node.args[1].free_symbols
         ):
-            found.setdefault(node.args[0])
-    return [*found]
+            bounds.setdefault(node.args[0])
+    return [*bounds]
 
 
 def _nodes_of_every_piece(expr: Any) -> Iterator[Any]:
@@ -538,7 +542,7 @@ def branch_arguments(expr: Any, moving: frozenset[Any]) -> dict[Any, bool]:
 
     A logarithm adds none: where it is real on both sides of a place, it is the same function there.
     """
-    found: dict[Any, bool] = {}
+    arguments: dict[Any, bool] = {}
     for node in _nodes(expr):
         if not is_branching(node) or isinstance(node, (se.log, se.atanh)):
             continue
@@ -549,8 +553,8 @@ def branch_arguments(expr: Any, moving: frozenset[Any]) -> dict[Any, bool]:
             elif isinstance(node, _OPEN):
                 inside = 1 - inside**2
             if inside.free_symbols & moving:
-                found[inside] = is_root and found.get(inside, True)
-    return found
+                arguments[inside] = is_root and arguments.get(inside, True)
+    return arguments
 
 
 def has_branches(exprs: Iterable[Any], moving: frozenset[Any]) -> bool:

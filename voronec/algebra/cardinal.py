@@ -69,13 +69,13 @@ def cardinal_all(exprs: Iterable[Any]) -> list[Any]:
 
 def _factors(expr: Any) -> dict[Any, Any]:
     """The factors of a product with their exponents, numbers left out."""
-    found = {}
+    exponents = {}
     for factor in factors_of(expr):
         if not factor.is_Number:
             plain = isinstance(factor, se.Pow) and factor.args[1].is_Number
             base, exponent = factor.args if plain else (factor, se.Integer(1))
-            found[base] = exponent
-    return found
+            exponents[base] = exponent
+    return exponents
 
 
 def _rewrite(expr: Any, inner: Rewriter) -> Any:

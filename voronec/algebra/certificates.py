@@ -158,13 +158,13 @@ class Signs:
 
     def of_fraction(self, fraction: Fraction) -> Sign | None:
         """The sign of a fraction wherever it is defined."""
-        found = self.of_polynomial(fraction.num)
+        sign = self.of_polynomial(fraction.num)
         for factor, exponent in self.ring.field.factors(fraction.den):
             below = self.of_polynomial(factor**exponent)
-            if found is None or below is None:
+            if sign is None or below is None:
                 return None
-            found = found.times(Sign(below.value, True, below.reason))
-        return found
+            sign = sign.times(Sign(below.value, True, below.reason))
+        return sign
 
     def of_polynomial(self, poly: Any, depth: int = 0) -> Sign | None:
         """The sign of a polynomial, by its factors."""
@@ -184,7 +184,7 @@ class Signs:
             unit, factors = irreducible_factors(poly)
         except EngineLimit:
             return None
-        found = Sign(1 if unit > 0 else -1, True, "")
+        product = Sign(1 if unit > 0 else -1, True, "")
         for factor, exponent in factors:
             sign = self._of_irreducible(factor, depth)
             if exponent % 2 == 0:
@@ -192,10 +192,12 @@ class Signs:
                 sign = Sign(1, strict, f"({self.spell(factor)})^{exponent} is no less than 0")
             elif sign is None:
                 return None
-            found = found.times(sign)
-        if not found.reason:
-            return replace(found, reason="a number")
-        return replace(found, reason=f"minus a product: {found.reason}") if unit < 0 else found
+            product = product.times(sign)
+        if not product.reason:
+            return replace(product, reason="a number")
+        return (
+            replace(product, reason=f"minus a product: {product.reason}") if unit < 0 else product
+        )
 
     def _of_irreducible(self, poly: Any, depth: int) -> Sign | None:
         """The first certificate of a strict sign, else the first of any."""
@@ -232,9 +234,9 @@ class Signs:
             if value == -sign:
                 return None
             value, strict = sign, strict or all(kind in _STRICT for kind, _ in used)
-        found = Sign(value, strict, "")
+        common = Sign(value, strict, "")
         each = "" if len(poly) == 1 else "every term of "
-        return replace(found, reason=f"{each}{self.spell(poly)} is {found.in_words}")
+        return replace(common, reason=f"{each}{self.spell(poly)} is {common.in_words}")
 
     def _by_facts(self, poly: Any, depth: int) -> Sign | None:
         """It is a polynomial whose sign is known, up to a factor, or more than one."""
@@ -260,9 +262,9 @@ class Signs:
         moved = poly.compose(*[g + bounds.get(i, 0) for i, g in enumerate(gens)])
         kinds = {**dict(enumerate(self.kinds)), **dict.fromkeys(bounds, "positive")}
         signs = replace(self, kinds=[kinds[i] for i in range(len(gens))])
-        found = signs._of_terms(moved)
+        sign = signs._of_terms(moved)
         above = ", ".join(f"{self.ring.meaning[i]} > {low}" for i, low in bounds.items())
-        return None if found is None else replace(found, reason=f"{found.reason}, where {above}")
+        return None if sign is None else replace(sign, reason=f"{sign.reason}, where {above}")
 
     def _at_ends(self, poly: Any, depth: int) -> Sign | None:
         """Linear in a sine or a cosine between -1 and 1, or in its square: the signs at the ends
@@ -275,10 +277,10 @@ class Signs:
             ends = [-1, 1] if max(powers) == 1 else [0, 1]
             at = [self._with(poly, there[0], end) for end in ends]
             signs = [self.of_polynomial(p, depth + 1) for p in at]
-            found = [sign for sign in signs if sign is not None]
-            values = {sign.value for sign in found} - {0}
-            if len(found) == 2 and len(values) == 1:
-                strict = all(sign.strict and sign.value for sign in found)
+            settled = [sign for sign in signs if sign is not None]
+            values = {sign.value for sign in settled} - {0}
+            if len(settled) == 2 and len(values) == 1:
+                strict = all(sign.strict and sign.value for sign in settled)
                 reason = f"{self.spell(poly)} has one sign at the ends of "
                 reason += f"{self.ring.meaning[there[0]]}"
                 return Sign(values.pop(), strict, reason)
@@ -410,7 +412,7 @@ class Signs:
     def linear_zeros(self, poly: Any) -> list[tuple[Any, Any]]:
         """(symbol, value): where factors that are linear in a symbol vanish.  A function does not
         take any value: it is no unknown."""
-        found = []
+        zeros = []
         for factor, _ in irreducible_factors(poly)[1] if poly != 0 else ():
             for place in self._generators_of(factor):
                 parts = self._coefficients(factor, place)
@@ -418,24 +420,26 @@ class Signs:
                 if max(parts) == 1 and is_free:
                     above, below = parts.get(0, self.ring.field.zero), parts[1]
                     value = -self.ring.polynomial(above) / self.ring.polynomial(below)
-                    found.append((self.ring.meaning[place], value))
-        return found
+                    zeros.append((self.ring.meaning[place], value))
+        return zeros
 
 
 def _sign_of_argument(argument: Any, hypotheses: Sequence[Any]) -> int:
     """The strict sign of what an exponential is taken of, or 0."""
-    own = argument.free_symbols
+    symbols = argument.free_symbols
     known = [
-        c for c in split_hypotheses(hypotheses)[1] if c.free_symbols <= own and _is_plain(c.args)
+        c
+        for c in split_hypotheses(hypotheses)[1]
+        if c.free_symbols <= symbols and _is_plain(c.args)
     ]
     if not known or not _is_plain([argument]):
         return 0
     try:
         ring = Ring([argument, *(e for e, _ in comparisons(known))])
-        found = Signs.of(ring, known).of_fraction(ring.fraction(argument))
+        sign = Signs.of(ring, known).of_fraction(ring.fraction(argument))
     except EngineLimit:
         return 0
-    return found.value if found is not None and found.strict else 0
+    return sign.value if sign is not None and sign.strict else 0
 
 
 def _is_plain(exprs: Iterable[Any]) -> bool:

@@ -104,10 +104,10 @@ def _not_negative(expr: Any, ring: Ring, signs: Signs) -> bool:
         if even or _not_negative(expr.args[0], ring, signs):
             return True
     try:
-        found = signs.of_fraction(ring.fraction(expr))
+        sign = signs.of_fraction(ring.fraction(expr))
     except (EngineLimit, KeyError):
         return False
-    return found is not None and found.value >= 0
+    return sign is not None and sign.value >= 0
 
 
 def _cases(a: Any, b: Any, relations: Sequence[Any]) -> Iterator[tuple[Any, Any, list[Any]]]:
@@ -156,8 +156,8 @@ def positive_bases(exprs: Iterable[Any], hypotheses: Iterable[Any]) -> list[Any]
     not known to be whole numbers, and is not known to be so."""
     known = [*hypotheses]
     whole = _whole(known)
-    found = [n.args[0] for n in nodes(exprs) if _has_positive_base(n, whole)]
-    return [b for b in dict.fromkeys(found) if known_sign(b, known) < 1]
+    bases = [n.args[0] for n in nodes(exprs) if _has_positive_base(n, whole)]
+    return [b for b in dict.fromkeys(bases) if known_sign(b, known) < 1]
 
 
 def _real_where(exprs: Sequence[Any], whole: frozenset[Any]) -> Iterator[Any]:
@@ -267,8 +267,8 @@ class Composition:
                 se.Add(*[c * self._angle(self.resolve(t)) for t, c in vector.items()]),
             )
         known: dict[Any, Any] = {}
-        found = [_with_angles(e, at, known) for e in exprs]
-        return found if _has_no_value(found) else fold_angles(found)
+        prepared = [_with_angles(e, at, known) for e in exprs]
+        return prepared if _has_no_value(prepared) else fold_angles(prepared)
 
     # -- exponentials and logarithms ------------------------------------------------------
 

@@ -122,11 +122,13 @@ class Domain:
 
     def linked_symbols(self, atoms: Sequence[Any]) -> list[Any]:
         """Further symbols that conditions tie to given ones."""
-        found, waiting = dict.fromkeys(atoms), [atoms for _, atoms in self._ties]
-        while touched := [s for s in waiting if not s.isdisjoint(found) and not s <= found.keys()]:
+        linked, waiting = dict.fromkeys(atoms), [atoms for _, atoms in self._ties]
+        while touched := [
+            s for s in waiting if not s.isdisjoint(linked) and not s <= linked.keys()
+        ]:
             for symbols in touched:
-                found.update(dict.fromkeys(sorted(symbols, key=str)))
-        return [*found][len(atoms) :]
+                linked.update(dict.fromkeys(sorted(symbols, key=str)))
+        return [*linked][len(atoms) :]
 
     def clip(self, point: Mapping[Any, Any]) -> dict[Any, Any]:
         """A drawn point, each number of it brought into the range of its symbol."""
@@ -143,12 +145,12 @@ class Domain:
 
     @cached_property
     def _ranges(self) -> dict[Any, _Range]:
-        found: dict[Any, _Range] = {}
+        ranges: dict[Any, _Range] = {}
         for one in _each(self.conditions):
             symbol, limits = _range_of(one) or (None, None)
             if symbol is not None and limits is not None:
-                found[symbol] = limits.both(found[symbol]) if symbol in found else limits
-        return found
+                ranges[symbol] = limits.both(ranges[symbol]) if symbol in ranges else limits
+        return ranges
 
     @cached_property
     def _ties(self) -> list[tuple[Any, set[Any]]]:

@@ -46,30 +46,33 @@ class ExponentBasis:
             self._add(exponent / number, {t: c / number for t, c in terms.items()})
 
     def _add(self, exponent: Any, terms: Mapping[Any, Any]) -> None:
-        rest, found = self._reduce(terms)
+        rest, combination = self._reduce(terms)
         if not rest:
             return
         if {*rest} == {se.Integer(1)}:
-            exponent, rest, found = se.Integer(1), {se.Integer(1): se.Integer(1)}, {}
+            exponent, rest, combination = se.Integer(1), {se.Integer(1): se.Integer(1)}, {}
         pivot = min(rest, key=str)
-        own = _combine({exponent: se.Integer(1)}, found, -1)
+        members = _combine({exponent: se.Integer(1)}, combination, -1)
         self.members.append(exponent)
         scale = 1 / rest[pivot]
-        self._rows.append((pivot, *({k: c * scale for k, c in v.items()} for v in (rest, own))))
+        self._rows.append((pivot, *({k: c * scale for k, c in v.items()} for v in (rest, members))))
 
     def _reduce(self, terms: Mapping[Any, Any]) -> tuple[_Vector, _Vector]:
         """What is left of an exponent, and the combination of members that was taken off."""
-        rest, found = dict(terms), _Vector()
+        rest, combination = dict(terms), _Vector()
         for pivot, row, members in self._rows:
             factor = rest.get(pivot)
             if factor is not None:
-                rest, found = _combine(rest, row, -factor), _combine(found, members, factor)
-        return rest, found
+                rest, combination = (
+                    _combine(rest, row, -factor),
+                    _combine(combination, members, factor),
+                )
+        return rest, combination
 
     def coordinates(self, terms: Mapping[Any, Any]) -> _Vector | None:
         """{member: number} of an exponent; None where it is no combination of the members."""
-        rest, found = self._reduce(terms)
-        return None if rest else found
+        rest, combination = self._reduce(terms)
+        return None if rest else combination
 
 
 def _combine(one: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> _Vector:
@@ -86,8 +89,8 @@ def _content(terms: Mapping[Any, Any]) -> Any:
     """The whole number by which an exponent is divisible: exp(2 x) - 1 has factors in exp(x)."""
     if any(c.q != 1 for c in terms.values()):
         return se.Integer(1)
-    found = gcd(*(int(c.p) for c in terms.values()))
-    return se.Integer(found if 0 < found <= DEGREE else 1)
+    divisor = gcd(*(int(c.p) for c in terms.values()))
+    return se.Integer(divisor if 0 < divisor <= DEGREE else 1)
 
 
 def _orientation(terms: Mapping[Any, Any]) -> tuple[Any, int]:

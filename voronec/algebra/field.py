@@ -337,13 +337,13 @@ class Field:
 
         The factors are those of denominators; their product is f up to a constant.
         """
-        found = []
+        roots = []
         for generator, degree, relation in self.rules:
             if degree == 2:
                 keys, rest = self._factored_rule(generator, relation)
                 if keys and all(key in self._factor_index for key, _ in keys):
-                    found.append((generator, rest, [(self._factor_index[k], e) for k, e in keys]))
-        return found
+                    roots.append((generator, rest, [(self._factor_index[k], e) for k, e in keys]))
+        return roots
 
     def _factored_rule(self, generator: int, relation: Any) -> tuple[list[tuple[str, int]], Any]:
         """The keys of the factors of f in g**2 = f, and f."""

@@ -53,12 +53,12 @@ def linear_terms(expr: Any) -> dict[Any, Any]:
 def holds_far_multiples(exprs: Iterable[Any]) -> bool:
     """Whether a normal form expands sines and cosines of an angle that are many-fold of another,
     sin(33 x) and sin(20 x) of x: exact, but numbers computed from it lose digits."""
-    found = Generators()
+    generators = Generators()
     try:
-        found.scan(exprs)
+        generators.scan(exprs)
     except EngineLimit:
         return False
-    return any(fold > FOLDS for fold in found.folds.values())
+    return any(fold > FOLDS for fold in generators.folds.values())
 
 
 def splits_curved_angles(exprs: Iterable[Any], moving: Iterable[Any]) -> bool:
@@ -173,10 +173,10 @@ class Generators:
         return self._combination(terms) if base == se.E else terms
 
     def _combination(self, terms: Mapping[Any, Any]) -> dict[Any, Any]:
-        found = self._basis.coordinates(terms)
-        if found is None:
+        coordinates = self._basis.coordinates(terms)
+        if coordinates is None:
             raise EngineLimit("an exponential is not one of the quantities of this computation")
-        return found
+        return coordinates
 
     def _visit(self, expr: Any) -> None:
         if expr in self._seen:

@@ -34,17 +34,17 @@ def groebner_basis(polynomials: Sequence[Any], context: Any) -> list[Any]:
     """
     if not polynomials:
         return []
-    found = []
+    generators = []
     for p in polynomials:
         scale = lcm(*(int(c.q) for c in p.coeffs()))
-        found.append({m: int((c * scale).p) for m, c in p.to_dict().items()})
+        generators.append({m: int((c * scale).p) for m, c in p.to_dict().items()})
     complete = False
     for order in dict.fromkeys((flint.Ordering.degrevlex, context.ordering())):
         integral = flint.fmpz_mpoly_ctx.get(context.names(), order)
-        start = flint.fmpz_mpoly_vec([*map(integral.from_dict, found)], integral)
+        start = flint.fmpz_mpoly_vec([*map(integral.from_dict, generators)], integral)
         basis, complete = start.buchberger_naive(limits=GROEBNER_LIMITS)
         if complete:
-            found = [p.to_dict() for p in basis.autoreduction()]
+            generators = [p.to_dict() for p in basis.autoreduction()]
     if not complete:
         raise EngineLimit("the Groebner basis of the relations grows too large")
-    return [context.from_dict({m: flint.fmpq(c) for m, c in p.items()}) for p in found]
+    return [context.from_dict({m: flint.fmpq(c) for m, c in p.items()}) for p in generators]

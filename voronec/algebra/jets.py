@@ -211,12 +211,12 @@ class _Ratio:
 
     def to_dict(self) -> dict[Any, Any]:
         """The coefficients, of powers of t together."""
-        found: dict[Any, Any] = {}
+        coefficients: dict[Any, Any] = {}
         t = self.above.context().gens()[-1]
         for monomial, c in self.above.to_dict().items():
             key = (*monomial[:-1], 0)
-            found[key] = found.get(key, 0 * t) + c * t ** int(monomial[-1])
-        return {key: _Ratio.of(above, self.below) for key, above in found.items()}
+            coefficients[key] = coefficients.get(key, 0 * t) + c * t ** int(monomial[-1])
+        return {key: _Ratio.of(above, self.below) for key, above in coefficients.items()}
 
 
 def _number(constant: Any) -> Any:
@@ -233,8 +233,8 @@ class FieldJet:
     @property
     def value(self) -> dict[Any, Any]:
         """The vector at the point: {component: number}, those that are not zero."""
-        found = {i: _number(parts[0]) for i, parts in enumerate(self.components)}
-        return {i: x for i, x in found.items() if x != 0}
+        vector = {i: _number(parts[0]) for i, parts in enumerate(self.components)}
+        return {i: x for i, x in vector.items() if x != 0}
 
     @property
     def coefficients(self) -> dict[Any, Any]:

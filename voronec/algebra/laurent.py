@@ -67,10 +67,10 @@ PARAMETER, COORDINATE, VELOCITY, ACCELERATION = 0, 3, 6, 7
 
 def times(a: Monomial, b: Monomial, power: Rational = 1) -> Monomial:
     """a b^power."""
-    found = dict(a)
+    exponents = dict(a)
     for i, e in b:
-        found[i] = found.get(i, 0) + e * power
-    return tuple(sorted((i, _plain(e)) for i, e in found.items() if e))
+        exponents[i] = exponents.get(i, 0) + e * power
+    return tuple(sorted((i, _plain(e)) for i, e in exponents.items() if e))
 
 
 def _plain(e: Rational) -> Rational:
@@ -84,21 +84,21 @@ def over(a: Rational, b: Rational) -> Rational:
 
 def add(*sums: Terms) -> Terms:
     """The sum of sums."""
-    found: Terms = {}
+    total: Terms = {}
     for terms in sums:
         for m, c in terms.items():
-            found[m] = found.get(m, 0) + c
-    return {m: c for m, c in found.items() if c}
+            total[m] = total.get(m, 0) + c
+    return {m: c for m, c in total.items() if c}
 
 
 def mul(a: Terms, b: Terms) -> Terms:
     """The product of two sums, written out."""
-    found: Terms = {}
+    product: Terms = {}
     for m, c in a.items():
         for n, d in b.items():
             key = times(m, n)
-            found[key] = found.get(key, 0) + c * d
-    return {m: c for m, c in found.items() if c}
+            product[key] = product.get(key, 0) + c * d
+    return {m: c for m, c in product.items() if c}
 
 
 def divide(terms: Terms, by: Terms) -> tuple[Terms, Terms]:
@@ -174,8 +174,8 @@ class Alphabet:
 
     def meaning(self, letter: int) -> Any:
         """The expression that a letter stands for, names replaced."""
-        found = self.letters[letter]
-        return found.meaning if found.terms is None else self._write_out(found.terms)
+        entry = self.letters[letter]
+        return entry.meaning if entry.terms is None else self._write_out(entry.terms)
 
     def expression(self, terms: Terms) -> Any:
         """A sum as an expression."""
@@ -195,12 +195,12 @@ class Alphabet:
 
         Raises ``EngineLimit`` where there would be more than ``most`` terms.
         """
-        found = self._read.get((expr, self.whole))
-        if found is None:
-            found = self._read[expr, self.whole] = self._terms(expr)
-            if len(found) > self.most:
+        terms = self._read.get((expr, self.whole))
+        if terms is None:
+            terms = self._read[expr, self.whole] = self._terms(expr)
+            if len(terms) > self.most:
                 raise EngineLimit(f"more than {self.most} terms")
-        return found
+        return terms
 
     def _terms(self, expr: Any) -> Terms:
         if isinstance(expr, se.Rational | se.Integer):
@@ -209,15 +209,15 @@ class Alphabet:
         if isinstance(expr, se.Add):
             return add(*map(self.read, expr.args))
         if isinstance(expr, se.Mul):
-            found: Terms = {(): 1}
+            product: Terms = {(): 1}
             for part in expr.args:
                 factor = self.read(part)
                 if self.whole and len(factor) > 1:
                     factor = self._together(factor, 1)
-                if len(found) * len(factor) > self.most:
+                if len(product) * len(factor) > self.most:
                     raise EngineLimit(f"more than {self.most} terms")
-                found = mul(found, factor)
-            return found
+                product = mul(product, factor)
+            return product
         if isinstance(expr, se.Pow):
             return self._power(expr)
         if isinstance(expr, se.sin | se.cos) and isinstance(expr.args[0], se.Add):
@@ -250,12 +250,12 @@ class Alphabet:
             ((m, c),) = terms.items()
             return {times((), m, power): _plain(Fraction(c) ** power)}
         if isinstance(power, int) and 0 < power <= 4 and not self.whole:
-            found = terms
+            product = terms
             for _ in range(power - 1):
-                if len(found) * len(terms) > self.most:
+                if len(product) * len(terms) > self.most:
                     raise EngineLimit(f"more than {self.most} terms")
-                found = mul(found, terms)
-            return found
+                product = mul(product, terms)
+            return product
         return self._together(terms, power)
 
     def _together(self, terms: Terms, power: Rational) -> Terms:
@@ -333,12 +333,12 @@ class Alphabet:
 
     def below(self, terms: Terms) -> Monomial:
         """What the terms of a sum divide by, as a monomial with negative exponents."""
-        found: dict[int, Rational] = {}
+        lowest: dict[int, Rational] = {}
         for m in terms:
             for i, e in m:
-                if e < found.get(i, 0):
-                    found[i] = e
-        return tuple(sorted(found.items()))
+                if e < lowest.get(i, 0):
+                    lowest[i] = e
+        return tuple(sorted(lowest.items()))
 
     def _product(self, number: Rational, m: Monomial) -> LetterProduct:
         return LetterProduct(number, tuple(Factor(i, e) for i, e in m))
@@ -370,18 +370,18 @@ class Alphabet:
             number, common, rest = self.primitive(coefficient)
             one = equal.setdefault(frozenset(rest.items()), (rest, {}))
             one[1][times(key, common)] = number
-        found: list[LetterProduct] = []
+        products: list[LetterProduct] = []
         for rest, cofactor in equal.values():
             if len(equal) == 1 and len(rest) == 1:
                 return
             number, common, inner = self.primitive(cofactor)
             if len(rest) == 1:
-                found += self.arrange(mul(rest, cofactor), depth)
+                products += self.arrange(mul(rest, cofactor), depth)
             else:
-                found += self._times(
+                products += self._times(
                     number, common, self.arrange(rest, depth - 1), self.arrange(inner, depth - 1)
                 )
-        yield tuple(found)
+        yield tuple(products)
 
     def _before_brackets(self, terms: Terms, depth: int) -> Iterator[Sum]:
         counts: Counter[tuple[int, bool]] = Counter()
@@ -404,9 +404,9 @@ class Alphabet:
     def letter_text(self, letter: int) -> str:
         """A letter in characters; a sum that has no name in brackets."""
         if letter not in self.names:
-            found = self.letters[letter]
-            inner = None if found.terms is None else self.text(self.arrange(found.terms))
-            self.names[letter] = self._text(found.meaning) if inner is None else f"({inner})"
+            entry = self.letters[letter]
+            inner = None if entry.terms is None else self.text(self.arrange(entry.terms))
+            self.names[letter] = self._text(entry.meaning) if inner is None else f"({inner})"
         return self.names[letter]
 
     def text(self, parts: Sum) -> str:
@@ -416,21 +416,21 @@ class Alphabet:
         return self._written[parts]
 
     def _sum_text(self, parts: Sum, write: Callable[[LetterProduct], str]) -> str:
-        found = ""
+        text = ""
         first, *others = self.in_order(parts) or [LetterProduct(0, ())]
         for part in (_turn(first), *others) if parts else ():
             sign = "-" if part.number < 0 else "+"
-            found += f" {sign} {write(part)}" if found else sign.strip("+") + write(part)
-        return found or "0"
+            text += f" {sign} {write(part)}" if text else sign.strip("+") + write(part)
+        return text or "0"
 
     def in_order(self, parts: Sum) -> list[LetterProduct]:
         """The products of a sum as they are written: a positive one first."""
-        found = sorted(parts, key=self._product_place)
-        first = next((p for p in found if p.number > 0), None)
-        if first is not None and found[0].number < 0:
-            found.remove(first)
-            found.insert(0, first)
-        return found
+        products = sorted(parts, key=self._product_place)
+        first = next((p for p in products if p.number > 0), None)
+        if first is not None and products[0].number < 0:
+            products.remove(first)
+            products.insert(0, first)
+        return products
 
     def _product_place(self, product: LetterProduct) -> Any:
         places = sorted(map(self._factor_place, product.factors))
@@ -487,10 +487,12 @@ class Alphabet:
         above, below = ([self._power_text(f) for f in fs] for fs in (top_factors, bottom_factors))
         top = [str(p)] * (p != 1) + above
         bottom = [str(q)] * (q != 1) + below
-        found = "*".join(top or ["1"])
+        numerator = "*".join(top or ["1"])
         if not bottom:
-            return found
-        return f"{found}/{bottom[0]}" if len(bottom) == 1 else f"{found}/({'*'.join(bottom)})"
+            return numerator
+        return (
+            f"{numerator}/{bottom[0]}" if len(bottom) == 1 else f"{numerator}/({'*'.join(bottom)})"
+        )
 
     def _power_text(self, factor: Factor) -> str:
         base, e = factor
@@ -535,13 +537,13 @@ class Alphabet:
         root = isinstance(e, Fraction) and e.denominator == 2
         count = e.numerator if root else e
         power = "" if count == 1 else f"^{count}" if 0 <= count < 10 else f"^{{{count}}}"
-        found = self.letters[base] if isinstance(base, int) else None
-        if found is None or (found.terms is not None and base not in self.named):
-            inner = self.latex(base if found is None else self.arrange(found.terms or {}))
+        entry = self.letters[base] if isinstance(base, int) else None
+        if entry is None or (entry.terms is not None and base not in self.named):
+            inner = self.latex(base if entry is None else self.arrange(entry.terms or {}))
             text = rf"\left({inner}\right)" if "frac" in inner else f"({inner})"
         else:
             inner = text = (
-                symbol_latex(self.names[base]) if found.terms else self._latex(found.meaning)
+                symbol_latex(self.names[base]) if entry.terms else self._latex(entry.meaning)
             )
         function = re.match(r"\\(sin|cos|tan|cot)", text)
         if root:
@@ -573,8 +575,10 @@ def _number(e: Rational) -> Any:
 
 
 def _content(numbers: Iterable[Fraction]) -> Rational:
-    found = [*numbers]
-    return over(gcd(*(abs(c.numerator) for c in found)), lcm(*(c.denominator for c in found)))
+    fractions = [*numbers]
+    return over(
+        gcd(*(abs(c.numerator) for c in fractions)), lcm(*(c.denominator for c in fractions))
+    )
 
 
 def _rational(number: Any) -> Rational:

@@ -27,16 +27,16 @@ class Memo:
         """The result of that name, made when it is first asked for."""
         if what not in self._known:
             self._known[what] = make()
-        found: T = self._known[what]
-        return found
+        result: T = self._known[what]
+        return result
 
     def last(self, what: Hashable, key: Any, make: Callable[[], T]) -> T:
         """The result of that name for a key, made anew where another key was asked for last."""
         kept = self._known.get(what)
         if kept is None or kept[0] != key:
             kept = self._known[what] = key, make()
-        found: T = kept[1]
-        return found
+        result: T = kept[1]
+        return result
 
     def __reduce__(self) -> Any:
         return Memo, ()
@@ -51,10 +51,10 @@ def remember(place: str) -> Callable[[Callable[[Owner, Key], T]], Callable[[Owne
         @wraps(method)
         def find(owner: Owner, key: Key) -> T:
             known: dict[Key, T] = dictionary(owner)
-            found: T = known.get(key, NOTHING)
-            if found is NOTHING:
-                found = known[key] = method(owner, key)
-            return found
+            result: T = known.get(key, NOTHING)
+            if result is NOTHING:
+                result = known[key] = method(owner, key)
+            return result
 
         return find
 

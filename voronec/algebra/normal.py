@@ -59,8 +59,8 @@ def shortest(
     """
     exprs = _with_short_arguments(exprs, relations, budget)
     ring, elements = _fractions(exprs, relations, budget, group=group)
-    found = [expression(ring, e, group) for e in elements]
-    return [_shorter(e, f) for e, f in zip(exprs, found, strict=True)]
+    forms = [expression(ring, e, group) for e in elements]
+    return [_shorter(e, f) for e, f in zip(exprs, forms, strict=True)]
 
 
 def _shorter(before: Any, after: Any) -> Any:
@@ -99,11 +99,11 @@ def _with_short_arguments(
     """Expressions with what jumps, or has a corner, of arguments in their shortest form: the ring
     takes sign(v sin(x)^2 + v cos(x)^2) for a letter of its own, which is sign(v). So are roots of
     squares, |f|, where f loses a symbol; else they stay, lest |2 f| be another letter than |f|."""
-    found = {node: _corner(node) for node in nodes(map(se.sympify, exprs))}
-    jumps = [node for node, inner in found.items() if inner is not None and inner.args]
+    corners = {node: _corner(node) for node in nodes(map(se.sympify, exprs))}
+    jumps = [node for node, inner in corners.items() if inner is not None and inner.args]
     if not jumps:
         return exprs
-    before = [found[node] for node in jumps]
+    before = [corners[node] for node in jumps]
     try:
         after = shortest(before, relations, budget=budget)
     except EngineLimit:  # they are right as they stand
@@ -138,9 +138,9 @@ def canonical_for_numbers(exprs: Sequence[Any], ground: Any, budget: Budget = PL
     angles = sorted(atoms(exprs, *TRIGONOMETRIC), key=str) if far else []
     powers = distance_powers(exprs, (*ground.coordinates, *ground.velocities, ground.time))
     folds = {node: se.Symbol(f"fold {i}") for i, node in enumerate([*angles, *powers])}
-    found = canonical([e.xreplace(folds) for e in exprs], ground.relations, budget)
+    forms = canonical([e.xreplace(folds) for e in exprs], ground.relations, budget)
     back = {name: node for node, name in folds.items()}
-    return [e.xreplace(back) for e in found]
+    return [e.xreplace(back) for e in forms]
 
 
 def quotient(expr: Any, relations: Sequence[Any] = ()) -> tuple[Any, Any]:

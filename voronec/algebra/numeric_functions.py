@@ -84,6 +84,6 @@ def formula(expr: Any) -> Any | None:
 
 def elementary(expr: Any) -> Any:
     """The expression with formulas for all these functions."""
-    while found := {f: e for f in subexpressions([expr]) if (e := formula(f)) is not None}:
-        expr = expr.xreplace(found)
+    while formulas := {f: e for f in subexpressions([expr]) if (e := formula(f)) is not None}:
+        expr = expr.xreplace(formulas)
     return expr

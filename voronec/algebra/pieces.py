@@ -38,7 +38,7 @@ def pieces_of(exprs: Sequence[Any], relations: tuple[Any, ...] = ()) -> list[Spa
     exprs = [e.xreplace(steps) for e in exprs]  # derivatives of signs vanish where they exist
     tags = [se.Dummy() for _ in exprs]
     whole = se.Add(*map(se.Mul, tags, exprs))
-    waiting, found = [SpacePiece((whole,))], list[SpacePiece]()
+    waiting, pieces = [SpacePiece((whole,))], list[SpacePiece]()
     while waiting:
         piece = waiting.pop()
         branches = Branches(piece.exprs[0], symbols, relations, meets_poles=False)
@@ -48,7 +48,7 @@ def pieces_of(exprs: Sequence[Any], relations: tuple[Any, ...] = ()) -> list[Spa
             sides = ((1, branches.beyond(h, 1)), (-1, branches.beyond(h, -1)))
             waiting += [SpacePiece((e,), (*piece.sides, (h, s))) for s, e in sides]
         else:
-            found.append(SpacePiece(tuple(branches.expr.diff(t) for t in tags), piece.sides))
-        if len(waiting) + len(found) > MOST_PIECES:
+            pieces.append(SpacePiece(tuple(branches.expr.diff(t) for t in tags), piece.sides))
+        if len(waiting) + len(pieces) > MOST_PIECES:
             raise EngineLimit(f"its cuts divide the space into more than {MOST_PIECES} pieces")
-    return found
+    return pieces

@@ -33,10 +33,10 @@ def sample_point(
     solution of the relations (Krawczyk's test), and conditions among them hold there;
     ``EngineLimit`` where no such point is found.
     """
-    found = _sample(tuple(atoms), tuple(relations), seed, bits)
-    if isinstance(found, str):
-        raise EngineLimit(found)
-    return dict(found)
+    point = _sample(tuple(atoms), tuple(relations), seed, bits)
+    if isinstance(point, str):
+        raise EngineLimit(point)
+    return dict(point)
 
 
 @lru_cache(maxsize=4096)
@@ -54,9 +54,9 @@ def _sample(
             for atom in [*bound, *domain.linked_symbols(bound)]:
                 value = flint.fmpq(source.randint(120, 1400), 1009) * (1 if seed < 6 else 9)
                 point[atom] = -value if seed % 2 and source.random() < 0.5 else value
-            found = _lift(point, equations, domain, bits)
-            if found is not None:
-                return found
+            lifted = _lift(point, equations, domain, bits)
+            if lifted is not None:
+                return lifted
     except EngineLimit as error:
         return str(error)
     return _BEYOND
@@ -66,10 +66,10 @@ def lift_point(point: dict[Any, Any], relations: Sequence[Any], bits: int) -> di
     """The point itself, or balls around a solution of relations near it, with numbers brought
     into their ranges; ``EngineLimit`` where none is found, or conditions do not hold there."""
     equations, conditions = split_hypotheses(relations)
-    found = _lift(point, equations, domain_of(tuple(conditions)), bits)
-    if found is None:
+    lifted = _lift(point, equations, domain_of(tuple(conditions)), bits)
+    if lifted is None:
         raise EngineLimit(_BEYOND)
-    return found
+    return lifted
 
 
 _BEYOND = "no point was found at which the conditions on its coordinates hold"
@@ -79,8 +79,8 @@ def _lift(
     point: dict[Any, Any], equations: Sequence[Any], domain: Domain, bits: int
 ) -> dict[Any, Any] | None:
     moved = domain.clip(point)
-    found = _onto_relations(moved, equations, bits) if equations else moved
-    return found if domain.admits(found, bits) else None
+    lifted = _onto_relations(moved, equations, bits) if equations else moved
+    return lifted if domain.admits(lifted, bits) else None
 
 
 def is_possible(conditions: Sequence[Any]) -> bool:
@@ -103,10 +103,10 @@ def _onto_relations(point: dict[Any, Any], relations: Sequence[Any], bits: int) 
     if not atoms:
         raise EngineLimit("the relations hold no variable, so no point can be found on them")
     near = tuple(float(flint.arb(point[a])) for a in atoms)  # balls cannot be looked up
-    found = _solution(tuple(relations), near, bits)
-    if isinstance(found, str):
-        raise EngineLimit(found)
-    return {**point, **found}
+    solution = _solution(tuple(relations), near, bits)
+    if isinstance(solution, str):
+        raise EngineLimit(solution)
+    return {**point, **solution}
 
 
 @lru_cache(maxsize=1024)
@@ -123,14 +123,14 @@ def _solution(
         square = Tape(
             [relations[r] for r in rows] + [jacobian[r][c] for r in rows for c in columns]
         )
-        found = free | _enclose(square, free, [atoms[c] for c in columns], bits)
+        solution = free | _enclose(square, free, [atoms[c] for c in columns], bits)
     except EngineLimit as error:
         return str(error)
     except ZeroDivisionError:
         return "the relations between the coordinates are singular"
-    if not all(v.contains(0) for v in tape.arb(found, bits)[: len(relations)]):
+    if not all(v.contains(0) for v in tape.arb(solution, bits)[: len(relations)]):
         return "no point was found on all the relations between the coordinates"
-    return found
+    return solution
 
 
 @lru_cache(maxsize=64)
@@ -154,9 +154,9 @@ def _with_values_of(
     for function, letter in letters.items():
         relations = [r.xreplace({function: letter}) for r in relations]
         point = {letter if a == function else a: x for a, x in point.items()}
-    found = _onto_relations(point, relations, bits)
+    solution = _onto_relations(point, relations, bits)
     back = {letter: function for function, letter in letters.items()}
-    return {back.get(a, a): x for a, x in found.items()}
+    return {back.get(a, a): x for a, x in solution.items()}
 
 
 def _values(tape: Tape, point: dict[Any, Any], n: int, bits: int) -> tuple[Any, Any]:
@@ -242,7 +242,7 @@ def sample_evaluable(
     count: int = 3,
 ) -> list[tuple[dict[Any, Any], list[Any]]]:
     """Up to ``count`` sample points, with the values there, at which every expression is finite."""
-    found: list[tuple[dict[Any, Any], list[Any]]] = []
+    samples: list[tuple[dict[Any, Any], list[Any]]] = []
     for seed in range(first, first + tries):
         try:
             point = sample_point(tape.atoms, relations, seed, bits)
@@ -250,10 +250,10 @@ def sample_evaluable(
             continue
         values = tape.arb(point, bits)
         if all(v.is_finite() for v in values) and consistent(tape.atoms, point, bits):
-            found.append((point, values))
-        if len(found) == count:
+            samples.append((point, values))
+        if len(samples) == count:
             break
-    return found
+    return samples
 
 
 def consistent(atoms: Sequence[Any], point: dict[Any, Any], bits: int) -> bool:

@@ -85,20 +85,22 @@ class Ring:
 
         Where relations bind generators, the first one serves ``Field.absorbed``.
         """
-        found = self.found
-        self.roots = {base: se.Pow(base, 1 / se.Integer(q)) for base, q in found.radicals.items()}
-        self.pairs = {a: (se.cos(a / d), se.sin(a / d)) for a, d in found.angles.items()}
-        self.units = {(b, e): se.Pow(b, e / d) for (b, e), d in found.units.items()}
+        generators = self.found
+        self.roots = {
+            base: se.Pow(base, 1 / se.Integer(q)) for base, q in generators.radicals.items()
+        }
+        self.pairs = {a: (se.cos(a / d), se.sin(a / d)) for a, d in generators.angles.items()}
+        self.units = {(b, e): se.Pow(b, e / d) for (b, e), d in generators.units.items()}
         order = ["inverse"] if bound else []
         order += [f"r{i}" for i in reversed(range(len(self.roots)))]
         order += [f"s{i}" for i in range(len(self.pairs))]
         order += [f"c{i}" for i in range(len(self.pairs))]
         order += [f"e{i}" for i in range(len(self.units))]
-        order += [f"x{i}" for i in range(len(found.atoms))]
+        order += [f"x{i}" for i in range(len(generators.atoms))]
         meaning: list[Any] = [se.Symbol("inverse of a denominator")] if bound else []
         meaning += reversed(self.roots.values())
         meaning += [s for _, s in self.pairs.values()] + [c for c, _ in self.pairs.values()]
-        meaning += list(self.units.values()) + list(found.atoms)
+        meaning += list(self.units.values()) + list(generators.atoms)
         self.meaning = meaning
         self._index = {expr: i for i, expr in enumerate(meaning)}
         self._plain = set(meaning[len(self.roots) + bound :])

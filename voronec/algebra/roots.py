@@ -77,11 +77,11 @@ class Roots:
 
     def apart(self, expr: Any) -> Any:
         """The expression with every root, power and logarithm taken apart."""
-        found = self._found.get(expr)
-        if found is None:
-            found = self._found[expr] = self._rebuilt(expr)
-            self._found.setdefault(found, found)
-        return found
+        rebuilt = self._found.get(expr)
+        if rebuilt is None:
+            rebuilt = self._found[expr] = self._rebuilt(expr)
+            self._found.setdefault(rebuilt, rebuilt)
+        return rebuilt
 
     def _rebuilt(self, expr: Any) -> Any:
         if not expr.args or is_atom(expr):
@@ -98,16 +98,16 @@ class Roots:
         """p**a q**a for (p q)**a; |p| for the root of the square of a p of either sign."""
         if exponent.is_Number and exponent.q == 2 and (plain := self._plain_root(base)) is not None:
             return plain ** (base.args[1] * exponent)
-        found = self._factors(base)
-        if found is None:
+        factors = self._factors(base)
+        if factors is None:
             return se.Pow(self.apart(base), exponent)
-        parts = [se.Pow(n, e * exponent) for n, e in _primes(found.content)]
-        parts += [se.Pow(p, e * exponent) for p, e in found.known.items()]
+        parts = [se.Pow(n, e * exponent) for n, e in _primes(factors.content)]
+        parts += [se.Pow(p, e * exponent) for p, e in factors.known.items()]
         if exponent.is_Number and exponent.q == 2:
-            parts += [se.Pow(p, e * exponent) for p, e in _sizes(found.others)]
-            rest = [p for p, e in found.others.items() if e % 2]
+            parts += [se.Pow(p, e * exponent) for p, e in _sizes(factors.others)]
+            rest = [p for p, e in factors.others.items() if e % 2]
         else:
-            rest = [p**e for p, e in found.others.items()]
+            rest = [p**e for p, e in factors.others.items()]
         return se.Mul(*parts, se.Pow(se.Mul(*rest), exponent))
 
     def _plain_root(self, base: Any) -> Any:
@@ -126,13 +126,13 @@ class Roots:
 
     def _logarithm(self, argument: Any) -> Any:
         """log p + log q for log(p q)."""
-        found = self._factors(argument)
-        if found is None:
+        factors = self._factors(argument)
+        if factors is None:
             return se.log(self.apart(argument))
-        terms = [e * se.log(n) for n, e in _primes(found.content)]
-        terms += [e * self._plain_logarithm(p) for p, e in found.known.items()]
-        terms += [e // 2 * se.log(p**2) for p, e in found.others.items() if e // 2]
-        rest = [p for p, e in found.others.items() if e % 2]
+        terms = [e * se.log(n) for n, e in _primes(factors.content)]
+        terms += [e * self._plain_logarithm(p) for p, e in factors.known.items()]
+        terms += [e // 2 * se.log(p**2) for p, e in factors.others.items() if e // 2]
+        rest = [p for p, e in factors.others.items() if e % 2]
         return se.Add(*terms, se.log(se.Mul(*rest)))
 
     def _plain_logarithm(self, positive: Any) -> Any:
@@ -259,8 +259,8 @@ def known_sign(expr: Any, hypotheses: Sequence[Any] = (), strict: bool = False) 
 
     ``hypotheses`` vanish, or are conditions that hold; ``strict``: nor is it zero.
     """
-    found = _sign_where(expr, tuple(hypotheses))
-    return found.value if found is not None and (found.strict or not strict) else 0
+    sign = _sign_where(expr, tuple(hypotheses))
+    return sign.value if sign is not None and (sign.strict or not strict) else 0
 
 
 @lru_cache(maxsize=4096)

@@ -91,8 +91,8 @@ class Rotations:
 
     def _is_angle(self, argument: Any) -> bool:
         """Whether an argument is a sum of multiples of the angles, and of what holds none."""
-        own = {self.phi, self.theta, self.psi}
-        return all(term in own or not self._holds(term) for term in linear_terms(argument))
+        angles = {self.phi, self.theta, self.psi}
+        return all(term in angles or not self._holds(term) for term in linear_terms(argument))
 
     def _polar(self, ring: Ring, factor: Any) -> tuple[Any, tuple[int, int]] | None:
         """A multiple of (1 - c)^p (1 + c)^q as number, (p, q); None for anything else."""
@@ -133,19 +133,19 @@ class Rotations:
         both = (E[0][0] + sign * E[1][1], E[1][0] - sign * E[0][1])
         more = (-E[1][2], E[0][2]) if abs(m) > abs(k) else (E[2][1], E[2][0])
         down = m < 0, (m if abs(m) > abs(k) else k) < 0
-        found: Complex = (se.Integer(1), se.Integer(0))
+        element: Complex = (se.Integer(1), se.Integer(0))
         for factor, reverse, times in (
             (both, down[0], turns), (more, down[1], abs(abs(m) - abs(k))),
         ):  # fmt: skip
             x, y = factor[0], -factor[1] if reverse else factor[1]
             for _ in range(times):
-                found = (found[0] * x - found[1] * y, found[0] * y + found[1] * x)
-        return found
+                element = (element[0] * x - element[1] * y, element[0] * y + element[1] * x)
+        return element
 
     def _weights(self, ring: Ring, poly: Any) -> Iterator[tuple[Weight, Any, Sequence[_Polar]]]:
         """The parts of a polynomial: m and k, the product of everything else that moves, and the
         real and imaginary coefficient, as polynomials in c and s; of opposite weights only one."""
-        found: dict[tuple[Weight, Any], dict[tuple[int, int], list[Any]]] = {}
+        tables: dict[tuple[Weight, Any], dict[tuple[int, int], list[Any]]] = {}
         place = [
             ring.index(e) if ring.has(e) else -1
             for q in (self.phi, self.psi, self.theta)
@@ -158,11 +158,11 @@ class Rotations:
             for (m, x), (k, y) in product(_waves(cphi, sphi), _waves(cpsi, spsi)):
                 if m < 0 or (m == 0 and k < 0):
                     continue
-                known = found.setdefault(((m, k), rest), {})
+                known = tables.setdefault(((m, k), rest), {})
                 total = known.setdefault((c, s), [flint.fmpq(0), flint.fmpq(0)])
                 total[0] += coefficient * (x[0] * y[0] - x[1] * y[1])
                 total[1] += coefficient * (x[0] * y[1] + x[1] * y[0])
-        for (weight, rest), table in found.items():
+        for (weight, rest), table in tables.items():
             parts = [_Polar.of({powers: x[i] for powers, x in table.items()}) for i in (0, 1)]
             yield weight, ring.term(rest, flint.fmpq(1)), parts
 
@@ -199,12 +199,12 @@ def _divide(part: _Polar, weight: Weight, poles: tuple[int, int]) -> Any:
 
 def _waves(cosines: int, sines: int) -> list[tuple[int, Complex]]:
     """cos^a sin^b as a sum of exp(i m x): pairs of m and its coefficient."""
-    found: dict[int, list[Any]] = {}
+    waves: dict[int, list[Any]] = {}
     for i, j in product(range(cosines + 1), range(sines + 1)):
         # i and j factors exp(-i x), and 1/(2i)^b = (-i)^b / 2^b
         size = flint.fmpq(comb(cosines, i) * comb(sines, j) * (-1) ** j, 2 ** (cosines + sines))
         turn = ((1, 0), (0, -1), (-1, 0), (0, 1))[sines % 4]
-        total = found.setdefault(cosines + sines - 2 * (i + j), [flint.fmpq(0), flint.fmpq(0)])
+        total = waves.setdefault(cosines + sines - 2 * (i + j), [flint.fmpq(0), flint.fmpq(0)])
         total[0] += size * turn[0]
         total[1] += size * turn[1]
-    return [(m, (x, y)) for m, (x, y) in found.items()]
+    return [(m, (x, y)) for m, (x, y) in waves.items()]

@@ -40,12 +40,12 @@ class TurnedPolynomial:
 
     def meaning(self, ring: Ring) -> dict[Any, Any]:
         """What the ring's sines and cosines are to be replaced by."""
-        found = {}
+        replacements = {}
         for (sine, cosine), angle in self.angles.items():
             sign, shown = _leading_sign(angle)
-            found[ring.meaning[cosine]] = se.cos(shown)
-            found[ring.meaning[sine]] = sign * se.sin(shown)
-        return found
+            replacements[ring.meaning[cosine]] = se.cos(shown)
+            replacements[ring.meaning[sine]] = sign * se.sin(shown)
+        return replacements
 
 
 def _in_differences(ring: Ring, poly: Any) -> Iterator[TurnedPolynomial]:
@@ -82,15 +82,15 @@ def _angles(ring: Ring, poly: Any) -> dict[tuple[int, int], Any]:
     """The angles in a polynomial by the positions of sine and cosine; none where one of them may
     be moved without its sine and cosine telling."""
     degrees = poly.degrees()
-    found = {
+    angles = {
         pair: angle
         for pair, angle in zip(ring.angle_indices(), ring.angles(), strict=True)
         if degrees[pair[0]] or degrees[pair[1]]
     }
-    moved = set().union(*(angle.free_symbols for angle in found.values()))
-    own = {i for pair in found for i in pair}
-    others = [ring.meaning[i] for i, degree in enumerate(degrees) if degree and i not in own]
-    return {} if any(expr.free_symbols & moved for expr in others) else found
+    moved = set().union(*(angle.free_symbols for angle in angles.values()))
+    places = {i for pair in angles for i in pair}
+    others = [ring.meaning[i] for i, degree in enumerate(degrees) if degree and i not in places]
+    return {} if any(expr.free_symbols & moved for expr in others) else angles
 
 
 def _symmetry(ring: Ring, poly: Any, pairs: list[tuple[int, int]]) -> dict[tuple[int, int], int]:

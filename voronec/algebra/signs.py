@@ -177,9 +177,9 @@ def prove_inequality(
         signs = Signs.of(ring, [known[name] * se.Symbol(name) > 0 for name in sorted(known)])
     except EngineLimit as limit:
         return question.search((), str(limit))
-    found = signs.of_fraction(difference)
-    if found is not None and found.settles(question.relation):
-        return Verdict("proved", f"the difference of the sides is {found.in_words}: {found.reason}")
+    sign = signs.of_fraction(difference)
+    if sign is not None and sign.settles(question.relation):
+        return Verdict("proved", f"the difference of the sides is {sign.in_words}: {sign.reason}")
     roots = signs.linear_zeros(difference.num)
     return question.search(roots, "no certificate of a sign was found")
 

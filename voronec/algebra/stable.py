@@ -100,22 +100,24 @@ def _exponentials(expr: Any) -> _Exponentials:
     factors = [*factors_of(expr)]
     if isinstance(expr, se.Pow) and isinstance(expr.args[1], se.Integer) and 0 < expr.args[1] <= 8:
         factors = [expr.args[0]] * int(expr.args[1])
-    found = {se.Integer(0): se.Integer(1)}
+    product = {se.Integer(0): se.Integer(1)}
     for factor in factors:
         terms = _exponentials(factor) if len(factors) > 1 else {}
         if not any(terms):
             terms = {se.Integer(0): factor}
-        if len(found) * len(terms) > MOST_TERMS:
+        if len(product) * len(terms) > MOST_TERMS:
             return {se.Integer(0): expr}
-        found = _sum_of_terms((u + w, a * b) for u, a in found.items() for w, b in terms.items())
-    return found
+        product = _sum_of_terms(
+            (u + w, a * b) for u, a in product.items() for w, b in terms.items()
+        )
+    return product
 
 
 def _sum_of_terms(items: Iterable[tuple[Any, Any]]) -> _Exponentials:
-    found: _Exponentials = {}
+    total: _Exponentials = {}
     for w, c in items:
-        found[w] = found.get(w, se.Integer(0)) + c
-    return {w: c for w, c in found.items() if c != 0}
+        total[w] = total.get(w, se.Integer(0)) + c
+    return {w: c for w, c in total.items() if c != 0}
 
 
 def _ends(terms: _Exponentials) -> _Ends | None:
@@ -237,14 +239,14 @@ def _less_one(total: Any) -> Any:
     left, written = dict.fromkeys(total.args), list[Any]()  # the terms of a sum are distinct
     for term in total.args:
         for factor in factors_of(term):
-            found = _from_zero(factor)
-            if found is None:
+            parts = _from_zero(factor)
+            if parts is None:
                 continue
             rest = term / factor
-            other = -rest * found[0]
+            other = -rest * parts[0]
             if term in left and other in left:
                 del left[term], left[other]
-                written.append(rest * found[1])
+                written.append(rest * parts[1])
                 break
     return se.Add(*left, *written) if written else total
 

@@ -203,10 +203,10 @@ class Cyclic:
 
     def free_symbols(self, expr: Any) -> frozenset[Any]:
         """The symbols, no stages among them, that occur in an expression."""
-        found: set[Any] = set()
+        symbols: set[Any] = set()
         for w in expr.free_symbols:
-            found |= self.support.get(w, {w})
-        return frozenset(found)
+            symbols |= self.support.get(w, {w})
+        return frozenset(symbols)
 
     def absent(self, expr: Any, stages: Stages) -> Iterator[Any]:
         """Coordinates that occur in the expression and are proved to cancel."""

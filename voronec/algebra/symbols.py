@@ -70,14 +70,14 @@ def functions_of_time(expr: Any) -> set[sp.Expr]:
 
 def names_in(expr: Any) -> set[sp.Expr]:
     """The symbols, functions of time and their derivatives that occur in an expression."""
-    found: set[sp.Expr] = set()
+    names: set[sp.Expr] = set()
     for node in subexpressions([expr], lambda part: _is_name(part) or isinstance(part, sp.Subs)):
         if _is_name(node):
-            found.add(node)
+            names.add(node)
         elif isinstance(node, sp.Subs):
             inner = (*node.point, *(node.expr.free_symbols - set(node.variables)))
-            found = found.union(*map(names_in, inner))
-    return found
+            names = names.union(*map(names_in, inner))
+    return names
 
 
 def _is_name(node: Any) -> bool:

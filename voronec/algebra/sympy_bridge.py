@@ -116,14 +116,14 @@ class SymPyBridge:
     def inward(self, expr: Any) -> Any:
         """The symengine expression of a SymPy expression (or number)."""
         try:
-            found = self._enter(as_expression(expr))
+            inside = self._enter(as_expression(expr))
         except RecursionError:
             raise DefinitionError("an expression is nested too deeply to be read") from None
         except (RuntimeError, ZeroDivisionError) as error:  # symengine's word for a bad value
             raise NoValue(f"'{expr}' has no value: {quote(error)}") from None
-        if any(map(found.has, _NO_VALUES)):
+        if any(map(inside.has, _NO_VALUES)):
             raise NoValue(f"'{quote(expr)}' has no value: it is infinite or undefined")
-        return found
+        return inside
 
     def inward_all(self, exprs: Iterable[Any]) -> list[Any]:
         """``inward`` for each of several expressions."""
@@ -194,11 +194,14 @@ class SymPyBridge:
     def _derivative(self, expr: sp.Derivative) -> Any:
         """A derivative that is a symbol here, or one of an unknown function; any other is carried
         out by SymPy, or refused: symbols inside know nothing of the time."""
-        own = self._inward.get(expr.expr, expr.expr)
-        if time in expr.variables and isinstance(own, sp.Symbol | se.Symbol):
+        operand = self._inward.get(expr.expr, expr.expr)
+        if time in expr.variables and isinstance(operand, sp.Symbol | se.Symbol):
             raise DefinitionError(f"the derivative '{expr}' {_mend(expr)}")
-        if not isinstance(expr.expr, AppliedUndef) and (found := self._of_real(expr)) is not None:
-            return found
+        if (
+            not isinstance(expr.expr, AppliedUndef)
+            and (derivative := self._of_real(expr)) is not None
+        ):
+            return derivative
         meant = expr if _is_plain(expr) else expr.doit()
         if meant != expr:
             return self._enter(meant)
@@ -264,11 +267,11 @@ class SymPyBridge:
 
         One that is not real is an error.
         """
-        found: list[Any] = []
+        known: list[Any] = []
         for thing, inside in self._inward.items():
             if isinstance(thing, sp.Symbol | AppliedUndef):
-                found += _known_of(thing, inside)
-        return found
+                known += _known_of(thing, inside)
+        return known
 
     def outward(self, expr: Any) -> sp.Expr:
         """The SymPy expression, in the user's symbols, of a symengine expression."""
@@ -385,8 +388,8 @@ def _real_where(node: Any, enter: Callable[[Any], Any]) -> Any:
 
 def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
     """What SymPy knows of a symbol or a function, as hypotheses on what it is inside."""
-    own = thing.assumptions0 if isinstance(thing, sp.Symbol) else thing.func._kwargs
-    if not own.keys() - {"commutative"}:
+    assumptions = thing.assumptions0 if isinstance(thing, sp.Symbol) else thing.func._kwargs
+    if not assumptions.keys() - {"commutative"}:
         return  # to ask one by one takes as long as a small derivation
     if thing.is_real is False:
         raise DefinitionError(f"'{thing}' is not real; equalities are between real numbers")

@@ -106,10 +106,10 @@ class Rewriter:
 
     def __call__(self, expr: Any) -> Any:
         """What an expression becomes."""
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._change(expr, self)
-        return found
+        changed = self._known.get(expr)
+        if changed is None:
+            changed = self._known[expr] = self._change(expr, self)
+        return changed
 
 
 def rewrite_kinds(expr: Any, kinds: type | tuple[type, ...], change: Callable[[Any], Any]) -> Any:

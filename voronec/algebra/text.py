@@ -421,16 +421,16 @@ def _double_of(node: Any, parts: list[Any]) -> float | None:
         return None
     if not parts:
         known = getattr(node, "is_number", False) and node.is_real
-        found = float(node) if known else None
+        double = float(node) if known else None
     else:
         function = _OPERATIONS.get(type(node).__name__)
         try:
-            found = None if function is None or None in parts else function(*parts)
+            double = None if function is None or None in parts else function(*parts)
         except (ValueError, ZeroDivisionError):
             return math.nan
-    if found is not None and math.isinf(found):
+    if double is not None and math.isinf(double):
         raise OverflowError
-    return found
+    return double
 
 
 def _bits(number: Any) -> int:

@@ -64,12 +64,12 @@ class Witness:
 def _conditions_of(domain: str) -> list[str]:
     """The conditions of a domain, which stand apart by commas outside brackets; what is cut short
     by dots may leave some open."""
-    found, depth = [""], 0
+    conditions, depth = [""], 0
     for part in domain.split(", "):
-        found[-1] += f", {part}" if depth else part
+        conditions[-1] += f", {part}" if depth else part
         depth = 0 if "..." in part else depth + part.count("(") - part.count(")")
-        found += [] if depth else [""]
-    return found
+        conditions += [] if depth else [""]
+    return conditions
 
 
 @dataclass(frozen=True)
@@ -211,9 +211,9 @@ def decide_equal(
         return Verdict("proved", "zero in exact normal form")
     if tape is None:
         return Verdict("undecided", f"{reason}; {NO_POINT}")
-    found, agreeing = _look_again(WitnessSearch(a, b, relations, pointwise), tape, relations)
-    if found is not None:
-        point, (left, right) = found
+    witness, agreeing = _look_again(WitnessSearch(a, b, relations, pointwise), tape, relations)
+    if witness is not None:
+        point, (left, right) = witness
         return Verdict("refuted", NUMBERS, witness_at(point, left, right))
     try:
         if are_equal(a, b, relations):

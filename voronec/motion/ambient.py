@@ -64,8 +64,8 @@ class AmbientFormulation:
 
     def namespace(self, inputs: Mapping[Any, sp.Expr]) -> Namespace:
         """Names of home, as they are spelled in these variables, with those of its inputs."""
-        found = Namespace.of(self.equations, {**inputs, **self.meaning})
-        return replace(found, home=self.home)
+        names = Namespace.of(self.equations, {**inputs, **self.meaning})
+        return replace(names, home=self.home)
 
     def start(
         self, namespace: Namespace, given: StartData, outset: InitialState, time: float, bits: int,
@@ -79,22 +79,22 @@ class AmbientFormulation:
             values = dict(zip(names, outset.state.tolist(), strict=True))
             given = replace(given, scene_initial={}, initial=values)
         if outset.framed and self.beside and {*values} <= {*names}:
-            found = {n: _exactly(values.get(n, 0)) for n in names}
+            initial = {n: _exactly(values.get(n, 0)) for n in names}
         else:
-            ground, own = outset.ground(self.home, time), self.home.system.coordinates
+            ground, coordinates = outset.ground(self.home, time), self.home.system.coordinates
             framed = outset.state if outset.framed and not bits else None
             start = WideStart.of(namespace, ground, given, project, framed)
             wide = start.exact(bits)[0] if bits else start.wide
             if bits or np.isfinite(wide).all():
                 group = self.home.system.on_group
-                dots = self.home.system.directions if group else map(velocity, own)
-                everything = map(plain_name, (*own, *dots))
-                found = dict(zip(everything, map(_exactly, wide), strict=True))
-                return replace(given, scene_initial={}, initial=found)
-            found = dict(zip(names, outset.state.tolist(), strict=True))
-        symbols = {namespace.symbols[n]: as_expression(x) for n, x in found.items()}
-        found |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
-        return replace(given, scene_initial={}, initial=found)
+                dots = self.home.system.directions if group else map(velocity, coordinates)
+                everything = map(plain_name, (*coordinates, *dots))
+                initial = dict(zip(everything, map(_exactly, wide), strict=True))
+                return replace(given, scene_initial={}, initial=initial)
+            initial = dict(zip(names, outset.state.tolist(), strict=True))
+        symbols = {namespace.symbols[n]: as_expression(x) for n, x in initial.items()}
+        initial |= {n: e.xreplace(symbols) for n, e in self.beside.items()}
+        return replace(given, scene_initial={}, initial=initial)
 
     def to_home(self, found: Trajectory, outputs: tuple[str, ...]) -> Trajectory:
         """A trajectory in these variables as one of the system, with the outputs asked for."""
@@ -111,14 +111,14 @@ class AmbientFormulation:
     def failure(self, error: IntegrationError, outputs: tuple[str, ...]) -> IntegrationError:
         """The error of a run in these variables as one of the system."""
         assert error.trajectory is not None
-        found = self.to_home(error.trajectory, outputs)
-        reason = DEPENDENT if error.singular else found.halted
+        trajectory = self.to_home(error.trajectory, outputs)
+        reason = DEPENDENT if error.singular else trajectory.halted
         return IntegrationError(
             f"system '{self.home.system.name}': {reason} after t = {float(error.time):.12g}; end "
             "the run before that, or use another chart",
             error.time,
             error.state,
-            replace(found, halted=reason),
+            replace(trajectory, halted=reason),
         )
 
     def _own_state(self, rows: Any) -> Any:
@@ -186,20 +186,20 @@ def _with_reactions(
     inertia.  Sums of reactions that do nothing, with the ``idle`` coefficients b, b a = 0, vanish:
     a w' - b^T b p'/inertia = -c'.
     """
-    found = {q: as_expression(e) for q, e in forces.items()}
+    loads = {q: as_expression(e) for q, e in forces.items()}
     for constraint, p in zip(held, impulses, strict=True):
         rate = sp.Add(
             constraint.remainder, *(a * velocity(w) for w, a in constraint.slopes.items())
         )
         for w, a in constraint.slopes.items():
             pull = LARGE * velocity(p) + (rate if massless else 0)
-            found[w] = found.get(w, sp.Integer(0)) - a * pull
-        found[p] = -LARGE * rate
+            loads[w] = loads.get(w, sp.Integer(0)) - a * pull
+        loads[p] = -LARGE * rate
     for row in idle:
         whole = sp.Add(*(b * velocity(p) for b, p in zip(row, impulses, strict=True)))
         for b, p in zip(row, impulses, strict=True):
-            found[p] += b * LARGE**2 * whole / inertia
-    return found
+            loads[p] += b * LARGE**2 * whole / inertia
+    return loads
 
 
 # -- in the velocities of the coordinates ---------------------------------------------------
@@ -266,33 +266,33 @@ def _integrals(
 ) -> dict[str, sp.Expr]:
     """The declared integrals in the velocities of a form, in normal form where constraints that
     are ``held`` vanish; ``meaning`` are velocities of the system as functions of these."""
-    ground, found = replace(form, relations=(*form.relations, *held)), {}
+    ground, integrals = replace(form, relations=(*form.relations, *held)), {}
     for name, claim in system.integrals.items():
-        found[name] = as_expression(right_of(claim)).xreplace(meaning).xreplace(meaning)
+        integrals[name] = as_expression(right_of(claim)).xreplace(meaning).xreplace(meaning)
         with suppress(EngineLimit):
-            short = canonical_for_numbers([bridge.inward(found[name])], ground)[0]
-            found[name] = bridge.outward(short)
-    return found
+            short = canonical_for_numbers([bridge.inward(integrals[name])], ground)[0]
+            integrals[name] = bridge.outward(short)
+    return integrals
 
 
 def _on_group(home: VoronecEquations) -> AmbientFormulation:
     """In all velocities of a group but those that a constraint of their own gives everywhere."""
     system, frame, d = home.system, home.system.frame, home.definition
     assert frame is not None
-    matrix, own = d.constraints.matrix, {}
+    matrix, pivots = d.constraints.matrix, {}
     for a, w in enumerate(d.dots[d.base :], d.base):
         rows = [k for k, row in enumerate(matrix) if row[a] != 0]
-        if len(rows) == 1 and rows[0] not in own and matrix[rows[0]][a].is_Number:
-            own[rows[0]] = w
+        if len(rows) == 1 and rows[0] not in pivots and matrix[rows[0]][a].is_Number:
+            pivots[rows[0]] = w
     conditions = d.constraints.expressions(d.dots)
-    solved = {w: w - conditions[k] / conditions[k].diff(w) for k, w in own.items()}
-    held = [k for k in range(len(matrix)) if k not in own]
+    solved = {w: w - conditions[k] / conditions[k].diff(w) for k, w in pivots.items()}
+    held = [k for k in range(len(matrix)) if k not in pivots]
     names = dict(zip(d.dots, system.directions, strict=True))
     free = [w for w in d.dots if w not in solved]
     implied = implied_rows(d, held)
     impulses = _fresh(system, "impulse", len(implied[0]))
     moved = bare(
-        system, system.name, constraints=tuple(system.constraints[k] for k in own),
+        system, system.name, constraints=tuple(system.constraints[k] for k in pivots),
         forces=_held_by_reactions(system.forces, d, impulses, *implied),
         frame=Frame.group(
             (*map(names.get, free), *impulses), frame.brackets or {}, frame.rates,
@@ -379,9 +379,9 @@ def _on_frame(home: VoronecEquations, frame: Frame) -> AmbientFormulation:
             slopes = {w: c.diff(v).xreplace(meaning) for w, v in pairs if c.diff(v) != 0}
             out = {w: bridge.outward(e) for w, e in slopes.items()}
             held.append(_Constraint(out, bridge.outward(flow.at_rest(c).xreplace(meaning))))
-        found = {"forces": _with_reactions(forces, held, impulses)}
+        changes = {"forces": _with_reactions(forces, held, impulses)}
         moving = dict(zip(impulses, map(velocity, sums), strict=True))
-        return found | ({"frame": Frame.quasi(own.definitions | moving)} if own else {})
+        return changes | ({"frame": Frame.quasi(own.definitions | moving)} if own else {})
 
     moved = {}
     for name, chart in free.charts.items():
@@ -396,6 +396,6 @@ def _on_frame(home: VoronecEquations, frame: Frame) -> AmbientFormulation:
     )  # fmt: skip
     below = Motions.of(home).on_coordinates
     others = {w: e for w, e in frame.definitions.items() if w not in {*system.velocities}}
-    found = canonical_for_numbers([below.read(e) for e in others.values()], below.form)
-    beside = zip(map(plain_name, others), map(below.bridge.outward, found), strict=True)
+    definitions = canonical_for_numbers([below.read(e) for e in others.values()], below.form)
+    beside = zip(map(plain_name, others), map(below.bridge.outward, definitions), strict=True)
     return AmbientFormulation(home, derive(whole), dict(beside), {})

@@ -39,8 +39,8 @@ class CutWatch:
         def find() -> dict[str, AngleCut]:
             forms = (("a constraint", d.constraints), ("a quasi-velocity", d.frame))
             places = [(n, e) for n, f in forms if f is not None for e in f.expressions(d.dots)]
-            found = angle_cuts(d.lagrangian, places, d.coordinates, d.dots, d.time, d.conditions)
-            return {f"{CUT} {i}": cut for i, cut in enumerate(found)}
+            cuts = angle_cuts(d.lagrangian, places, d.coordinates, d.dots, d.time, d.conditions)
+            return {f"{CUT} {i}": cut for i, cut in enumerate(cuts)}
 
         return cls(namespace, namespace.equations.memo.once("cuts of angles", find))
 
@@ -59,23 +59,25 @@ class CutWatch:
         looks = [Guard(n, stop=cut.side is None) for n, cut in self.cuts.items()]
         failure = None
         try:
-            found = go(wide, {**functions, **switches}, (*events, *looks), grid)
+            trajectory = go(wide, {**functions, **switches}, (*events, *looks), grid)
         except IntegrationError as error:
             if error.trajectory is None:
                 raise
-            found, failure = error.trajectory, error
-        hit = self._first(found)
+            trajectory, failure = error.trajectory, error
+        hit = self._first(trajectory)
         if hit is not None:
             end = float(hit[0])
             early = grid[np.abs(grid - grid[0]) < abs(end - grid[0])]
             raise self._error(*hit, go(outputs, functions, events, np.append(early, end)))
-        found = replace(found, outputs=names)
-        if hidden and (inside := found.within) is not None:
-            found = replace(found, within=lambda times: replace(inside(times), outputs=names))
+        trajectory = replace(trajectory, outputs=names)
+        if hidden and (inside := trajectory.within) is not None:
+            trajectory = replace(
+                trajectory, within=lambda times: replace(inside(times), outputs=names)
+            )
         if failure is not None:
-            failure.trajectory = found
+            failure.trajectory = trajectory
             raise failure
-        return found
+        return trajectory
 
     @property
     def _sides(self) -> dict[str, sp.Expr]:

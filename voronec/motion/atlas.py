@@ -74,20 +74,20 @@ class KeptChart:
     def sides(self) -> tuple[Any, ...]:
         """Functions in the chart that change sign wherever an angle of the system comes from one
         quadrant into another: y and x of each atan2(y, x) in ``back``."""
-        found: dict[Any, None] = {}
+        parts: dict[Any, None] = {}
         for e in self.back.values():
             for angle in sorted(Angles().resolve(e).atoms(se.atan2), key=str):
                 # a root is never negative: its angle stays where it is
-                found |= {part: None for part in angle.args if not _is_root(part)}
-        return tuple(found)
+                parts |= {part: None for part in angle.args if not _is_root(part)}
+        return tuple(parts)
 
     def pull_back(self, function: Any) -> Any:
         """A function of the system's state as one of the state in the chart."""
         bridge, system = self.equations.bridge, self.equations.system
         dots = {bridge.inward(q): bridge.inward(velocity(q)) for q in system.coordinates}
         rates = {
-            own: se.Add(*[self.back[q].diff(x) * dot for x, dot in dots.items()])
-            for q, own in dots.items()
+            rate: se.Add(*[self.back[q].diff(x) * dot for x, dot in dots.items()])
+            for q, rate in dots.items()
             if q in self.back
         }
         return Angles().resolve(se.sympify(function).xreplace({**rates, **self.back}))
@@ -106,20 +106,22 @@ def kept_charts(equations: VoronecEquations, form: FirstOrderForm) -> tuple[Kept
     dots = {bridge.inward(velocity(q)) for q in system.coordinates}
     # a coordinate that a model holds fast is a parameter of its form, but not of the chart's
     closed = {*state, *dots, *(bridge.inward(p.symbol) for p in system.parameters)}
-    found: dict[Any, KeptChart] = {}
+    charts: dict[Any, KeptChart] = {}
     for name, chart in system.charts.items():
         maps = [chart.values(system), chart.values(system, "back"), *chart.sheet_values(system)]
         there, back, *sheets = ({x: bridge.inward(e[names[x]]) for x in state} for e in maps)
         images = [*there.values(), *back.values(), *(e for sheet in sheets for e in sheet.values())]
-        own, others = (
+        factors, others = (
             tuple(f for f in _factors(bridge.inward(e)) if f.free_symbols <= closed)
             for e in (chart.singular, chart.singular_there)
         )
         moves = any(x != e for x, e in there.items())
-        if own and moves and all(e.free_symbols <= closed for e in images):
-            kept = KeptChart(name, equations, form, there, back, (*sheets,), se.Mul(*others), own)
-            found.setdefault(tuple(there.values()), kept)
-    return tuple(found.values())
+        if factors and moves and all(e.free_symbols <= closed for e in images):
+            kept = KeptChart(
+                name, equations, form, there, back, (*sheets,), se.Mul(*others), factors
+            )
+            charts.setdefault(tuple(there.values()), kept)
+    return tuple(charts.values())
 
 
 def _equations_in(equations: VoronecEquations, name: str) -> VoronecEquations:
@@ -223,8 +225,8 @@ class Atlas:
     @cached_property
     def angles(self) -> np.ndarray:
         """Which variables are angles."""
-        found = set().union(*(chart.angles for chart in self.charts))
-        return np.array([x in found for x in self.problem.program.state])
+        periodic = set().union(*(chart.angles for chart in self.charts))
+        return np.array([x in periodic for x in self.problem.program.state])
 
     def best(self, time: Any, state: np.ndarray) -> tuple[str, np.ndarray]:
         """The chart in which a state of the own chart is far from a singularity, and the state
@@ -249,8 +251,8 @@ class Atlas:
         factors = {f"{HOME} {i}": e for i, e in enumerate(_own_factors(self.charts))}
         program = quantities(self.form, factors)
         with np.errstate(all="ignore"):
-            found = compile_program(program)[1](times, list(rows.T), self._values(program))
-        return np.abs([np.broadcast_to(size, times.shape) for size in found])
+            sizes = compile_program(program)[1](times, list(rows.T), self._values(program))
+        return np.abs([np.broadcast_to(size, times.shape) for size in sizes])
 
     def _distance(self, name: str, time: Any, state: np.ndarray) -> float:
         """How far a state in a chart is from its singularity; 0 where that is undefined."""
@@ -376,9 +378,9 @@ class Atlas:
 
         def home(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
             with np.errstate(all="ignore"):
-                found = extras(times, list(rows.T), values)
+                columns = extras(times, list(rows.T), values)
             result = np.empty(rows.shape)
-            for i, column in enumerate(found):
+            for i, column in enumerate(columns):
                 result[:, i] = column
             return result
 

@@ -222,17 +222,19 @@ class Lanes:
     def first_steps(self, spans: np.ndarray) -> np.ndarray:
         """How long the next steps of all motions may be, which go no further than ``spans``;
         infinite where they are as long as they ought to be."""
-        ta, found = self.integrator, np.full(self.width, np.inf)
+        ta, limits = self.integrator, np.full(self.width, np.inf)
         taken, series = ta.first_steps(spans)
         whole, tol = np.abs(taken) >= np.abs(spans), ta.batch.tol
-        for parts, own in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
-            if own.any():
-                right, rows = self.right_side(own), series[:, :, own]
-                found[own] = reach_of_series(right, rows, taken[own], ta.high[own], parts, tol)
-        self.steps.stride[found < np.inf] = 1.0
-        ahead = np.copysign(np.minimum(np.abs(taken), found), spans)
+        for parts, chosen in ((1, ta.alive & ~whole), (PARTS, ta.alive & whole)):
+            if chosen.any():
+                right, rows = self.right_side(chosen), series[:, :, chosen]
+                limits[chosen] = reach_of_series(
+                    right, rows, taken[chosen], ta.high[chosen], parts, tol
+                )
+        self.steps.stride[limits < np.inf] = 1.0
+        ahead = np.copysign(np.minimum(np.abs(taken), limits), spans)
         self.ahead = ahead, series
-        return found
+        return limits
 
     def sample_first(self) -> tuple[np.ndarray, np.ndarray]:
         """Samples of the next step of each motion, as ``first_steps`` found it."""
@@ -244,10 +246,10 @@ class Lanes:
     def look_back(self, begin: Place, limits: np.ndarray) -> np.ndarray:
         """Which motions took steps too long since they began there, though none went beyond
         ``limits``; it is noted, too."""
-        ta, found = self.integrator, np.zeros(self.width, dtype=bool)
+        ta, overlong = self.integrator, np.zeros(self.width, dtype=bool)
         if self.has_roots:
             if self.output is not None and ta.alive.all():
-                found = blind_lanes(ta.batch, self.right_side(), self.output)
+                overlong = blind_lanes(ta.batch, self.right_side(), self.output)
         else:
             span, latest = np.abs(ta.high - begin[0]), ta.latest
             usual, suspect = uneven_steps(span, latest, self.steps.stride)
@@ -256,17 +258,17 @@ class Lanes:
                 there, every = ta.place, np.arange(self.width)
                 ta.return_to(begin)
                 steps = list[LongSteps]()
-                for own in ta.loads(suspect):
-                    most = int(latest.taken[own].max())
+                for load in ta.loads(suspect):
+                    most = int(latest.taken[load].max())
                     steps += long_steps(
-                        ta.batch, every[own], there[0][own], limits[own], most, usual[own]
+                        ta.batch, every[load], there[0][load], limits[load], most, usual[load]
                     )
                 ta.return_to(there)
                 if steps:
                     too_long = LongSteps.join(steps).overlong(self.right_side, ta.batch.tol)
-                    found[too_long] = True
-        self.steps.overlong[found] = True
-        return found
+                    overlong[too_long] = True
+        self.steps.overlong[overlong] = True
+        return overlong
 
     def states_along(self, times: np.ndarray, longest: np.ndarray) -> np.ndarray:
         """Go on to times (k,) by steps no longer than the ``longest`` of each motion, as far as a
@@ -398,12 +400,12 @@ class _LanesStallDetector:
         self.steps[:] += ta.latest.taken
         if self.steps.max() < WINDOW:
             return {}
-        found = {}
+        failures = {}
         for i in np.flatnonzero(ta.alive).tolist():
             why = self.looks[i].distance(int(self.steps[i]), float(ta.high[i]))
             if why:
-                found[i] = break_error(why, ta.high[i], lanes.states[i])
-        return found
+                failures[i] = break_error(why, ta.high[i], lanes.states[i])
+        return failures
 
 
 def break_error(reason: str, time: float, state: np.ndarray) -> IntegrationError:
@@ -438,19 +440,21 @@ def _pieces(
             ta.return_to(begin)
             piece = max(1, piece // 8)
             continue
-        own = slice(None) if alive.all() else alive
-        rows[own, at : end + 1] = new[own]
-        found = {i: _last_good(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()}
+        chosen = slice(None) if alive.all() else alive
+        rows[chosen, at : end + 1] = new[chosen]
+        failures = {
+            i: _last_good(rows[i], grid) for i in np.flatnonzero(alive & ~ta.alive).tolist()
+        }
         lanes.look_back(begin, limits)
-        found |= stall.errors(lanes)
-        ta.state[:, [*found]] = np.nan
+        failures |= stall.errors(lanes)
+        ta.state[:, [*failures]] = np.nan
         if halfway.any():
             ends = grid[at : end + 1]
             there = np.full(lanes.width, ends[-1])
             late, more = carry(lanes, there, limits, stopped, lambda _: stall.errors(lanes))
-            found, taken, steps = found | late, taken + more, steps + more
+            failures, taken, steps = failures | late, taken + more, steps + more
             rows[ta.alive, end] = lanes.states[ta.alive]
-        errors |= found
+        errors |= failures
         at, unseen = end, unseen + taken
         piece = max(1, min(4 * piece, int(piece * lanes.size / (PART * max(taken, 1)))))
     return errors, steps
@@ -491,14 +495,14 @@ def carry(
         why = dict.fromkeys(np.flatnonzero(alive & ~ta.alive).tolist(), INFINITE)
         stands = ta.alive & (ta.high != ends) & (ta.high == begin[0])
         why |= dict.fromkeys(np.flatnonzero(stands).tolist(), COLLAPSE)
-        found = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
-        found |= look(begin)
+        failures = {i: break_error(x, begin[0][i], last[i]) for i, x in why.items()}
+        failures |= look(begin)
         if steps > MANY:  # those that are followed alone in any case: the others need not wait
             lanes.steps.left |= ta.alive & (ta.high != ends) & lanes.steps.doubtful
             left = np.flatnonzero(lanes.steps.left & ta.alive).tolist()
-            found |= {i: break_error(COLLAPSE, ta.high[i], lanes.states[i]) for i in left}
-        ta.state[:, [*found]] = np.nan
-        errors |= found
+            failures |= {i: break_error(COLLAPSE, ta.high[i], lanes.states[i]) for i in left}
+        ta.state[:, [*failures]] = np.nan
+        errors |= failures
     return errors, steps
 
 

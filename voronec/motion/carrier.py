@@ -99,8 +99,8 @@ class Carrier:
         motions, lanes = replace(self.motions), self.lanes
         if lanes is not None:
             lanes = replace(lanes, raised=replace(lanes.raised), output=None, samples=[])
-        own = {"motions": motions, "lanes": lanes, "lone": replace(self.lone, motions=motions)}
-        return {f.name: getattr(self, f.name) for f in fields(self)} | own
+        stripped = {"motions": motions, "lanes": lanes, "lone": replace(self.lone, motions=motions)}
+        return {f.name: getattr(self, f.name) for f in fields(self)} | stripped
 
     def __call__(self, task: MotionBlock | LoneStart) -> CarriedBlock | Trajectory | VoronecError:
         """What came of a block, or of a motion alone."""
@@ -155,10 +155,12 @@ class Carrier:
         failed, samples, at = dict[int, IntegrationError](), list[OwnedSamples](), 0
         for load, errors, parts in loads:
             failed |= {at + i: error for i, error in errors.items()}
-            samples += [(at + own, part) for own, part in parts]
+            samples += [(at + indices, part) for indices, part in parts]
             at += len(load)
-        found = self.motions.quantities_along(grid, rows, values)
-        breaches, notes = self.check.breaches(grid, rows, values, steps / len(rows), samples, found)
+        quantities = self.motions.quantities_along(grid, rows, values)
+        breaches, notes = self.check.breaches(
+            grid, rows, values, steps / len(rows), samples, quantities
+        )
         for i, breach in breaches.items():
             time, state = breach.last or (float(grid[breach.row]), rows[i, breach.row].copy())
             failed[i] = IntegrationError(f"{breach.what} after t = {time:.12g}", time, state)
@@ -166,9 +168,9 @@ class Carrier:
         # followed once more by ``integrate``, which tells what a pole leaves open
         alone += np.flatnonzero(self.motions.across_poles(rows)).tolist()
         if breaches:
-            found = self.motions.quantities_along(grid, rows, values)
-        series = {name: found[name] for name in self.outputs}
-        drift = self.drifts.along(grid, rows, values, found)
+            quantities = self.motions.quantities_along(grid, rows, values)
+        series = {name: quantities[name] for name in self.outputs}
+        drift = self.drifts.along(grid, rows, values, quantities)
         return CarriedBlock(series, drift, failed, notes, alone, steps)
 
 

@@ -39,10 +39,10 @@ def closed_form(
     from voronec.equations.voronec_equations import VoronecEquations, derive
     from voronec.motion.motion_start import InitialState
 
-    own = system.system if isinstance(system, VoronecEquations) else require_system(system)
-    motion_of(own)
-    chosen = scene_of(own, scene, initial is None)
-    equations = system if isinstance(system, VoronecEquations) else derive(own)
+    declared = system.system if isinstance(system, VoronecEquations) else require_system(system)
+    motion_of(declared)
+    chosen = scene_of(declared, scene, initial is None)
+    equations = system if isinstance(system, VoronecEquations) else derive(declared)
     namespace = Namespace.of(equations)
     given = StartData.of(namespace, chosen, parameters, initial)
     return closed_form_of_start(namespace, given, InitialState.of(namespace, given, 0.0, False))
@@ -63,12 +63,14 @@ def closed_form_of_start(
                 f"parameters={{'{parameter.name}': ...}}"
             )
         values[parameter.symbol] = value
-    initial, own = {**given.scene_initial, **given.initial}, dict(values)
+    initial, constants = {**given.scene_initial, **given.initial}, dict(values)
     plain = {*initial} <= {*state_names(system)} and not outset.notes
     for i, q in enumerate((*system.coordinates, *system.velocities)):
         value = initial.get(plain_name(q), 0) if plain else _digits(outset, i)
         if isinstance(value, sp.Expr) and value.free_symbols:
-            value = value.xreplace({s: exact(own[s]) for s in own.keys() & value.free_symbols})
+            value = value.xreplace(
+                {s: exact(constants[s]) for s in constants.keys() & value.free_symbols}
+            )
         values[q] = value
     return _last(system, values)
 

@@ -136,9 +136,9 @@ class _ClosedSight:
         Raises:
             NoWholeTurns: an angle among the outputs has no number of whole turns.
         """
-        found = self.form.at(t - self.start, self.watch.outputs)
+        series = self.form.at(t - self.start, self.watch.outputs)
         cost, system = cost_of_run(), self.namespace.equations.system
-        for array in (t, *found.values()):
+        for array in (t, *series.values()):
             array.flags.writeable = False
         held = self.outset.constants
         known = {p.name: held[p.name] for p in system.parameters if p.name in held}
@@ -149,7 +149,7 @@ class _ClosedSight:
 
         return LateTrajectory.of(
             everything, system=system, t=t, names=self.names, outputs=self.watch.outputs,
-            series=MappingProxyType(found), events={}, cost=cost,
+            series=MappingProxyType(series), events={}, cost=cost,
             parameters=MappingProxyType(known),
         )  # fmt: skip
 
@@ -181,10 +181,10 @@ class _ClosedSight:
         """Instants and states, those angles modulo a turn and all others continuous."""
         if self.tol >= EXACT:
             times = grid - self.start
-            found = self.form.at(times, [n for n in self.names if n not in turnless])
+            series = self.form.at(times, [n for n in self.names if n not in turnless])
             if turnless:
-                found |= self.form.modulo(times, turnless)
-            return grid.copy(), np.stack([found[n] for n in self.names]).T
+                series |= self.form.modulo(times, turnless)
+            return grid.copy(), np.stack([series[n] for n in self.names]).T
         rows = []
         try:
             for i, t in enumerate(grid):
@@ -198,9 +198,9 @@ class _ClosedSight:
 
     def _row(self, t: Any, whole: bool) -> list[Any]:
         digits = ceil(-log10(self.tol)) + 1
-        found = self.form.enclose(Fraction(float(t)) - Fraction(self.start), digits, whole)
+        balls = self.form.enclose(Fraction(float(t)) - Fraction(self.start), digits, whole)
         with mpmath.workprec(self.bits):
-            return [_number(found[name]) for name in self.names]
+            return [_number(balls[name]) for name in self.names]
 
     def observe(
         self, t: np.ndarray, states: np.ndarray, cost: Cost, interrupted: bool = False

@@ -41,7 +41,7 @@ def with_implied_rows(
     ``rows`` hold coefficients of velocities and an offset, in functions of the ``coordinates``, on
     which ``relations`` vanish.
     """
-    found, idle = [*rows], list[Row]()
+    extended, idle = [*rows], list[Row]()
     for place in _places(rows, coordinates) if rows else ():
         turned = [[place.rename(e) for e in row] for row in rows]
         ideal = [place.rename(r) for r in relations]
@@ -59,10 +59,10 @@ def with_implied_rows(
             sums = [e.xreplace(place.back) for e in without_denominators(vector, there)]
             new = canonical([dot(sums, part) / place.factor for part in zip(*short, strict=True)])
             if all(quotient(e)[1].is_Number for e in new):
-                whole = [*sums, *([se.Integer(0)] * (len(found) - len(rows))), -place.factor]
+                whole = [*sums, *([se.Integer(0)] * (len(extended) - len(rows))), -place.factor]
                 idle.append([place.spell(e) for e in whole])
-                found.append([place.spell(e) for e in new])
-    return found, [(*row, *([se.Integer(0)] * (len(found) - len(row)))) for row in idle]
+                extended.append([place.spell(e) for e in new])
+    return extended, [(*row, *([se.Integer(0)] * (len(extended) - len(row)))) for row in idle]
 
 
 @dataclass(frozen=True)

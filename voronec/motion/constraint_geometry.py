@@ -115,8 +115,8 @@ def _frame_quality(metric: np.ndarray, conditions: np.ndarray, frame: np.ndarray
     lengths = np.linalg.norm(np.linalg.solve(root, frame.T), axis=0)
     if not lengths.all():
         return 0.0
-    own = (frame @ inverse @ vt[rank:].T) / lengths[:, None]
-    return float(np.linalg.svd(own, compute_uv=False).min(initial=1.0))
+    directions = (frame @ inverse @ vt[rank:].T) / lengths[:, None]
+    return float(np.linalg.svd(directions, compute_uv=False).min(initial=1.0))
 
 
 def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
@@ -126,8 +126,8 @@ def _metric_of(values: Mapping[str, Any], rows: np.ndarray) -> np.ndarray:
     square = np.swapaxes(rows, -1, -2) @ rows
     inertia, size = (np.trace(x, axis1=-2, axis2=-1)[..., None, None] for x in (mass, square))
     scale = np.where(size == 0, 1.0, inertia / np.where(size == 0, 1.0, size))
-    found: np.ndarray = mass + np.where(scale == 0, 1.0, scale) * square
-    return found
+    metric: np.ndarray = mass + np.where(scale == 0, 1.0, scale) * square
+    return metric
 
 
 def _mass_of(values: Mapping[str, Any], width: int) -> np.ndarray:
@@ -171,8 +171,8 @@ class ConstraintGeometry:
         if self.changing is None:
             return given
         times = np.asarray(time)
-        found = constants_along(self.changing, {}, np.atleast_1d(times))
-        return {**given, **(found if times.ndim else {name: x[0] for name, x in found.items()})}
+        changed = constants_along(self.changing, {}, np.atleast_1d(times))
+        return {**given, **(changed if times.ndim else {name: x[0] for name, x in changed.items()})}
 
     @cached_property
     def wide(self) -> FirstOrderForm:
@@ -220,7 +220,7 @@ class ConstraintGeometry:
     def _finite_rows(self, time: float, wide: np.ndarray) -> dict[str, Any]:
         """Conditions with the limit of the space that infinite ones span; none where there is no
         limit."""
-        count, found = len(self.home.definition.coordinates), []
+        count, spans = len(self.home.definition.coordinates), []
         with mpmath.workdps(DIGITS):
             constants = {name: mpmath.mpf(x) for name, x in self.at(time).items()}
             for q in next_places(wide[:count]):
@@ -230,12 +230,12 @@ class ConstraintGeometry:
                     )
                 except ArithmeticError:
                     return {}
-                found.append(orthonormal_rows(self._rows_of(entries, object)[0]).astype(float))
-        here, there = (rows.T @ rows for rows in found)
+                spans.append(orthonormal_rows(self._rows_of(entries, object)[0]).astype(float))
+        here, there = (rows.T @ rows for rows in spans)
         if not (np.abs(here - there) < CONTINUOUS).all():
             return {}
         return {
-            f"condition {i},{a}": x for i, row in enumerate(found[0]) for a, x in enumerate(row)
+            f"condition {i},{a}": x for i, row in enumerate(spans[0]) for a, x in enumerate(row)
         }
 
     def _rows_of(self, entries: Mapping[str, Any], kind: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -293,9 +293,9 @@ class ConstraintGeometry:
         sound = np.isfinite(table).all(axis=0)
         at = dict(zip(entries, table[:, sound], strict=True))
         conditions = self._rows_of(at, float)[0][..., :-1]
-        found = np.zeros(count)
-        found[sound] = np.abs(np.linalg.det(_metric_of(at, conditions)))
-        return found
+        determinants = np.zeros(count)
+        determinants[sound] = np.abs(np.linalg.det(_metric_of(at, conditions)))
+        return determinants
 
     def watch_divisors(
         self, form: FirstOrderForm, below: Program, start: np.ndarray, rough: bool = False
@@ -315,13 +315,13 @@ class ConstraintGeometry:
         moving = tuple(map(se.Symbol, self._changing_names))
         every = (f for f in divisors(form, moving) if f not in self._others)
         left = (without_factors(f, pole_factors(self.home)) for f in every)
-        found = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
+        candidates = [f for f in dict.fromkeys(left) if f not in self._others and not f.is_Number]
         if rough:
-            found = [f for f in found if not f.free_symbols & {*form.velocities}]
-        fresh = [f for f in found if (f, key) not in kept]
+            candidates = [f for f in candidates if not f.free_symbols & {*form.velocities}]
+        fresh = [f for f in candidates if (f, key) not in kept]
         risky = self._crossing_divisors(fresh, form, below, start) if fresh else []
         kept |= {(f, key): None for f in fresh} | {(d.function, key): d for d in risky}
-        return [d for f in found if (d := kept[f, key]) is not None]
+        return [d for f in candidates if (d := kept[f, key]) is not None]
 
     @property
     def _others(self) -> set[Any]:
@@ -388,8 +388,8 @@ class ConstraintGeometry:
     ) -> bool:  # fmt: skip
         """Whether one of some divisors of a form is near zero at a state."""
         program = quantities(form, {str(i): d.function for i, d in enumerate(watched)})
-        found = numbers(program, self.time, list(state), values)
-        return any(d.is_near(float(x)) for d, x in zip(watched, found, strict=True))
+        levels = numbers(program, self.time, list(state), values)
+        return any(d.is_near(float(x)) for d, x in zip(watched, levels, strict=True))
 
 
 def pole_factors(equations: VoronecEquations) -> tuple[Any, ...]:
@@ -397,8 +397,8 @@ def pole_factors(equations: VoronecEquations) -> tuple[Any, ...]:
 
     def make() -> tuple[Any, ...]:
         charts = equations.system.charts.values()
-        found = (f for c in charts for f in factors_of(equations.bridge.inward(c.singular)))
-        return tuple(dict.fromkeys(found))
+        factors = (f for c in charts for f in factors_of(equations.bridge.inward(c.singular)))
+        return tuple(dict.fromkeys(factors))
 
     return equations.memo.once("factors of poles", make)
 

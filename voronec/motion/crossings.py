@@ -108,9 +108,9 @@ class Pieces:
 
     def times(self) -> np.ndarray:
         """The times (9, k) of the nodes."""
-        found = self.start + NODES[:, None] * (self.end - self.start)
-        found[-1] = self.end
-        return found
+        nodes = self.start + NODES[:, None] * (self.end - self.start)
+        nodes[-1] = self.end
+        return nodes
 
     def halves(self, function: Function) -> Pieces:
         """Two for each, cut in the middle, or, where the function is small there, beside it."""
@@ -127,8 +127,8 @@ class Pieces:
         # both take a zero there, which is rounding, for what is on one side of it
         known = np.where(known == 0, np.where(self.values[0] < 0, -SPECK, SPECK), known)
         values[-1, : len(each)] = values[0, len(each) :] = known
-        found = function(inner.ravel(), np.tile(twice.number, len(inner)))
-        values[1:-1] = found.reshape(inner.shape)
+        heights = function(inner.ravel(), np.tile(twice.number, len(inner)))
+        values[1:-1] = heights.reshape(inner.shape)
         return twice
 
     def signs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -138,18 +138,20 @@ class Pieces:
         values = self.values / np.where(whole > 0, whole, 1)
         numbers = values.astype(float)
         off = np.abs(HIGHEST @ numbers).sum(axis=0)
-        found = BERNSTEIN @ numbers
-        found = np.where(np.abs(found) > NOISE + off, np.sign(found), 0.0)
-        found[0], found[-1] = ((x > 0) * 1.0 - (x < 0) for x in (self.values[0], self.values[-1]))
-        found[0] = np.where(found[0] == 0, found[1], found[0])
-        turns = found[:-2] * found[2:] == -1
-        told = ((found[1:-1] != 0) | turns).all(axis=0) & (found[0] != 0) & (found[-1] != 0)
+        pattern = BERNSTEIN @ numbers
+        pattern = np.where(np.abs(pattern) > NOISE + off, np.sign(pattern), 0.0)
+        pattern[0], pattern[-1] = (
+            (x > 0) * 1.0 - (x < 0) for x in (self.values[0], self.values[-1])
+        )
+        pattern[0] = np.where(pattern[0] == 0, pattern[1], pattern[0])
+        turns = pattern[:-2] * pattern[2:] == -1
+        told = ((pattern[1:-1] != 0) | turns).all(axis=0) & (pattern[0] != 0) & (pattern[-1] != 0)
         # the zero with which a piece begins is no other
-        told &= (self.values[0] != 0) | (values[1] * found[0] > 0)
-        changes = (found[:-1] * found[1:] == -1).sum(axis=0) + (found[1:-1] == 0).sum(axis=0)
+        told &= (self.values[0] != 0) | (values[1] * pattern[0] > 0)
+        changes = (pattern[:-1] * pattern[1:] == -1).sum(axis=0) + (pattern[1:-1] == 0).sum(axis=0)
         # of what is far from zero rounding may leave the coefficients open
         count = np.where(told & (changes < 2), changes, -1)
-        return found[0], np.where(_are_calm(numbers), 0, count), ~(off < ROUGH)
+        return pattern[0], np.where(_are_calm(numbers), 0, count), ~(off < ROUGH)
 
 
 @dataclass(frozen=True)
@@ -203,11 +205,11 @@ def find_crossings(
     ``rounding`` tells by how much it may change functions: what dips below zero and comes back by
     less touches it.
     """
-    found, touches = list[RootBrackets](), list[tuple[int, Any]]()
+    brackets, touches = list[RootBrackets](), list[tuple[int, Any]]()
 
     def keep(which: np.ndarray, single: bool) -> None:
         if level == 0 or which.any():
-            found.extend(_brackets(pieces.where(which), first[which], single))
+            brackets.extend(_brackets(pieces.where(which), first[which], single))
 
     for level in range(DEEP + 1):
         first, count, off = pieces.signs()
@@ -234,7 +236,9 @@ def find_crossings(
         if (flat | rough).all():
             break
         pieces = pieces.where(~(flat | rough)).halves(function)
-    return RootBrackets(*map(np.concatenate, zip(*(b.parts for b in found), strict=True))), touches
+    return RootBrackets(
+        *map(np.concatenate, zip(*(b.parts for b in brackets), strict=True))
+    ), touches
 
 
 def _rows(values: np.ndarray) -> np.ndarray:
@@ -301,9 +305,9 @@ def roots(
         c[live], before[live], b[live], right[live] = q, g, place, value
         live = live[value != 0]
     passed = (right == 0) | ((right > 0) == upwards)
-    found, other = np.where(passed, b, a), np.where(passed, a, b)
+    zeros, other = np.where(passed, b, a), np.where(passed, a, b)
     # the end itself, where a pole may lie just beside it, is no better than its neighbour
-    return np.where((found == end) & (other != begin) & (right != 0), other, found)
+    return np.where((zeros == end) & (other != begin) & (right != 0), other, zeros)
 
 
 def _is_pole(
@@ -394,25 +398,25 @@ class _Search:
             return Findings([], [], every)
         begin, end = np.repeat(ends[:-1], count), np.repeat(ends[1:], count)
         self.pieces = Pieces.along(begin, end, values)
-        found, touches = find_crossings(self.value, self.pieces.where(~calm), self.depth)
+        brackets, touches = find_crossings(self.value, self.pieces.where(~calm), self.depth)
         every[[*self.events]] = values[-1]  # zeros are settled there
         met = [(time, guards[n % count]) for n, time in touches]
-        own = found.number % count
-        way = np.array([guard.direction for guard in guards])[own]
-        rises = (found.after > found.before) == (ends[-1] > ends[0])
-        found = found.where((way == 0) | (rises == (way > 0)))
-        if not len(found.number):
+        events = brackets.number % count
+        way = np.array([guard.direction for guard in guards])[events]
+        rises = (brackets.after > brackets.before) == (ends[-1] > ends[0])
+        brackets = brackets.where((way == 0) | (rises == (way > 0)))
+        if not len(brackets.number):
             return Findings([], met, every)
-        times = roots(lambda t, i: self.value(t, found.number[i]), *found.parts[:4])
+        times = roots(lambda t, i: self.value(t, brackets.number[i]), *brackets.parts[:4])
         heights, sizes = (
-            np.abs(self.value(times, found.number)),
-            np.abs([found.before, found.after]),
+            np.abs(self.value(times, brackets.number)),
+            np.abs([brackets.before, brackets.after]),
         )
         tall = ~(heights <= np.minimum(*sizes))
         kept = [
-            (time, guards[found.number[i] % count])
+            (time, guards[brackets.number[i] % count])
             for i, time in enumerate(times)
-            if not (tall[i] and self.is_pole(found, i, time))
+            if not (tall[i] and self.is_pole(brackets, i, time))
         ]
         kept.sort(key=lambda pair: abs(pair[0] - ends[0]))
         return Findings(kept, met, every)
@@ -433,9 +437,9 @@ class _Search:
         """The functions of pieces (k,) at times (k,)."""
         event = number % len(self.events)
         every = self.levels(times, self.course.at(times))
-        found = every[np.arange(len(times)), np.array([*self.events])[event]]
-        found[(found == 0) & self.held[event]] = SPECK
-        return found
+        heights = every[np.arange(len(times)), np.array([*self.events])[event]]
+        heights[(heights == 0) & self.held[event]] = SPECK
+        return heights
 
     def depth(self, times: np.ndarray, number: np.ndarray) -> np.ndarray:
         """By how much rounding may change the functions of pieces (k,) about times (k,): that of
@@ -448,9 +452,9 @@ class _Search:
         here, off = self.course.at(times)[:, None, :], ROUNDOFF * sizes[steps]
         rows = np.concatenate([here, here + off[:, :, None] * np.eye(off.shape[1])], axis=1)
         values = self.levels(np.repeat(times, rows.shape[1]), np.concatenate(rows))
-        own = np.array([*self.events])[events]
-        found = values.reshape(*rows.shape[:2], -1)[np.arange(len(own)), :, own]
-        depth = np.nansum(np.abs(found[:, 1:] - found[:, :1]), axis=1)
+        columns = np.array([*self.events])[events]
+        heights = values.reshape(*rows.shape[:2], -1)[np.arange(len(columns)), :, columns]
+        depth = np.nansum(np.abs(heights[:, 1:] - heights[:, :1]), axis=1)
         # beside the switching surface that a step leaves, values are the rounding of its dense
         # output, too
         leaves = self.held[events] & (steps == 0)

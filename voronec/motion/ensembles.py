@@ -127,11 +127,14 @@ class Ensemble:
         """The motions along ``motion`` and ``t``."""
         from voronec.motion.storage import NamedArrays, of_motions, variables_of
 
-        own: dict[str, Any] = {"t": (("t",), self.t), "finished": (("motion",), self.finished)}
-        own |= {name: (("motion", "t"), self[name]) for name in self.outputs if name != "t"}
+        variables: dict[str, Any] = {
+            "t": (("t",), self.t),
+            "finished": (("motion",), self.finished),
+        }
+        variables |= {name: (("motion", "t"), self[name]) for name in self.outputs if name != "t"}
         each = of_motions(len(self), self.errors, self.parameters, drift=self.drift)
         return NamedArrays.of(
-            self.system, "Ensemble", variables_of(own, each), ("motion", "t"),
+            self.system, "Ensemble", variables_of(variables, each), ("motion", "t"),
             ("motion", "t", *self.outputs), formulation=self.formulation,
             interrupted=self.interrupted, cost=asdict(self.cost),
             notes={str(i): list(told) for i, told in self.notes.items()},
@@ -231,8 +234,8 @@ def ensemble(
     driven = drive(system, inputs, chosen_scene).over(begin, end)
     equations, columns = driven.equations, {**columns, **driven.parameters(begin, end)}
     namespace = Namespace.of(equations, driven.meaning)
-    keys, own = outputs_of(chosen_scene, outputs), equations.system
-    wanted = dict(quantity(namespace, k) for k in keys or (*own.coordinates, *own.velocities))
+    keys, actual = outputs_of(chosen_scene, outputs), equations.system
+    wanted = dict(quantity(namespace, k) for k in keys or (*actual.coordinates, *actual.velocities))
     try:
         motions = many(equations, chosen_scene, single, columns, wanted, begin)
         alone = LoneMotions(motions, single, chosen_scene, method, tol, frozenset(motions.wrong))
@@ -243,7 +246,9 @@ def ensemble(
         carrier, reason = _carrier(alone, tuple(wanted), keys, grid)
         filled = _ResultRows.empty(motions, tuple(wanted), grid)
     except KeyboardInterrupt:
-        return _empty_ensemble(own, tuple(wanted), grid, len(single), tol, perf_counter() - began)
+        return _empty_ensemble(
+            actual, tuple(wanted), grid, len(single), tol, perf_counter() - began
+        )
     ready = perf_counter()
     team = filled.team(carrier, jobs)
     try:
@@ -434,7 +439,7 @@ class _ResultRows:
         self.errors.pop(i, None)
 
     def ensemble(self, cost: Cost, interrupted: bool, driven: Drive) -> Ensemble:
-        own = {*driven.original.parameter_names}
+        names = {*driven.original.parameter_names}
         for array in (self.grid, self.finished, *self.series.values()):
             array.flags.writeable = False
         return Ensemble(
@@ -443,7 +448,7 @@ class _ResultRows:
             outputs=tuple(self.series),
             series=MappingProxyType(self.series),
             parameters=MappingProxyType(
-                {name: x for name, x in self.motions.parameters.items() if name in own}
+                {name: x for name, x in self.motions.parameters.items() if name in names}
             ),
             finished=self.finished,
             errors=MappingProxyType(dict(sorted(self.errors.items()))),
@@ -473,8 +478,8 @@ def _run(filled: _ResultRows, carrier: Carrier, team: Team, progress: Any) -> bo
             each = range(0, len(part), size)
             blocks = (MotionBlock.of(motions, part[i : i + size]) for i in each)
             work = len(part) * filled.steps / first * _step_cost(carrier)
-            for block, found in team.results(blocks, work < WORTH):
-                done += filled.put(block, found)
+            for block, carried in team.results(blocks, work < WORTH):
+                done += filled.put(block, carried)
                 if progress is not None:
                     progress(done / len(sound))
     except KeyboardInterrupt:

@@ -83,32 +83,32 @@ def explain(
 
 def _refuted_integrals(motions: Motions) -> tuple[str, ...]:
     """The declared integrals whose rate along the motion is proved not to vanish."""
-    found = []
+    refuted = []
     for name, integral in motions.system.integrals.items():
         function = right_of(integral)
         try:
             field = motions.field_for([function])
             rate = field.derivative(field.read_with_momenta(function))
             if decide_zero(rate, field.relations).refuted:
-                found.append(name)
+                refuted.append(name)
         except VoronecError:  # beyond the budget: nothing is known of it
             continue
-    return tuple(found)
+    return tuple(refuted)
 
 
 def _output_expressions(namespace: Namespace, outputs: Sequence[Any]) -> dict[str, sp.Expr]:
     """Outputs in the user's symbols; a reaction is what its multiplier is computed from."""
     spelled = namespace.read_outputs(outputs)
-    found = {n: e for n, e in spelled.terms.items() if not namespace.holds_reactions([e])}
-    if spelled.reactions or len(found) < len(spelled.terms):
+    expressions = {n: e for n, e in spelled.terms.items() if not namespace.holds_reactions([e])}
+    if spelled.reactions or len(expressions) < len(spelled.terms):
         equations = namespace.equations
         entries = Multipliers.of(equations.definition).entries.values()
         held = {equations.bridge.outward(s) for e in entries for s in e.free_symbols}
         # accelerations stand in them too, so every velocity is needed
-        own = [q for q in equations.system.coordinates if q in held]
-        for x in (*own, *equations.system.velocities):
-            found.setdefault(plain_name(x), x)
-    return found
+        coordinates = [q for q in equations.system.coordinates if q in held]
+        for x in (*coordinates, *equations.system.velocities):
+            expressions.setdefault(plain_name(x), x)
+    return expressions
 
 
 def _start(
@@ -135,8 +135,8 @@ LONGEST = 60
 
 def model_text(model: Model, width: int = WIDTH) -> str:
     """The explanation of a model, a few lines of plain text."""
-    own = model.cut
-    wanted = sorted({*own.outputs, *own.angles}, key=_place(model))
+    cut = model.cut
+    wanted = sorted({*cut.outputs, *cut.angles}, key=_place(model))
     head = f"{model.system.name}: the smallest model for {', '.join(wanted)}"
     count, words = len(model.states), _formulation_words(model.formulation)
     size = f"{count} state{'' if count == 1 else 's'}, in {words}"

@@ -76,9 +76,9 @@ class Relations:
         at p.  Where that stands still, q - p is normal to the relations.
         """
         for damping in DAMPINGS:
-            found = self._iterate(q, damping)
-            if found is not None and np.abs(self.residuals(found)).max() < accuracy:
-                return found
+            point = self._iterate(q, damping)
+            if point is not None and np.abs(self.residuals(point)).max() < accuracy:
+                return point
         return None
 
     def _iterate(self, q: np.ndarray, damping: float) -> np.ndarray | None:
@@ -263,24 +263,26 @@ def meet_conditions(
     condition involves stay."""
     if not conditions:
         return v, []
-    own = [plain_name(x) for x in namespace.equations.system.velocities]
-    if conditions.keys() <= {*own}:  # each says what one of them is
-        return np.array([conditions.get(name, x) for name, x in zip(own, v, strict=True)]), []
+    velocities = [plain_name(x) for x in namespace.equations.system.velocities]
+    if conditions.keys() <= {*velocities}:  # each says what one of them is
+        return np.array(
+            [conditions.get(name, x) for name, x in zip(velocities, v, strict=True)]
+        ), []
     order, rows, right = _pose_conditions(namespace, q, conditions, rates)
     chosen = independent(rows)
     involved = np.abs(rows).max(axis=0) > CONSISTENT * np.abs(rows).max(initial=0.0)
     if len(chosen) > involved.sum():  # beside rates that are as good as infinite
         raise NoFrame(NO_VELOCITIES.format(namespace.equations.system.name))
     if len(chosen) < involved.sum():
-        names = [name for name, i in zip(own, involved, strict=True) if i]
+        names = [name for name, i in zip(velocities, involved, strict=True) if i]
         raise DefinitionError(
             f"system '{namespace.equations.system.name}': the initial velocities do not determine "
             f"{', '.join(names)}; give more velocities, or these themselves"
         )
     result = v.copy()
     result[involved] = np.linalg.solve(rows[chosen][:, involved], right[chosen])
-    for name in set(own) & set(order):
-        result[own.index(name)] = conditions[name]
+    for name in set(velocities) & set(order):
+        result[velocities.index(name)] = conditions[name]
     excess, usual = rows @ result - right, 1.0 + max(map(abs, conditions.values()))
     size = np.abs(rows) @ np.abs(result) + np.abs(right)
     if UNIT * size.max() > CONSISTENT * usual:  # what is given is rounding beside such rates
@@ -290,9 +292,11 @@ def meet_conditions(
     if not project:
         raise _inconsistent(namespace, order, conditions, excess)
     result[involved] = np.linalg.lstsq(rows[:, involved], right, rcond=None)[0]
-    for name in set(own) & set(order):  # what was met but for rounding is met
-        if abs(result[own.index(name)] - conditions[name]) <= ROUNDING * abs(conditions[name]):
-            result[own.index(name)] = conditions[name]
+    for name in set(velocities) & set(order):  # what was met but for rounding is met
+        if abs(result[velocities.index(name)] - conditions[name]) <= ROUNDING * abs(
+            conditions[name]
+        ):
+            result[velocities.index(name)] = conditions[name]
     wanted, excess = np.array([conditions[name] for name in order]), rows @ result - right
     return result, [note_of_velocities(order, wanted, wanted + excess)]
 
@@ -423,7 +427,7 @@ def _meet_conditions(
 ) -> np.ndarray:
     """Velocities (s, m) that meet conditions, as ``met`` finds them; starts for which it would do
     something else than for the first, or refuse them, are no longer ``good``."""
-    own = [plain_name(x) for x in namespace.equations.system.velocities]
+    velocities = [plain_name(x) for x in namespace.equations.system.velocities]
     order, rows, right = _pose_conditions_of_many(namespace, q, conditions, rates)
     good &= np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
     if not good.any():
@@ -440,16 +444,16 @@ def _meet_conditions(
     if len(chosen) != which.sum():
         good[:] = False
         return v
-    found, at = v.copy(), np.flatnonzero(good)
+    solution, at = v.copy(), np.flatnonzero(good)
     square = (rows if len(rows) == 1 else rows[at])[:, chosen][:, :, which]
     solved = np.linalg.solve(square, right[at][:, chosen, None])[..., 0]
-    found[np.ix_(at, which)] = solved
-    for name in set(own) & set(order):
-        found[:, own.index(name)] = conditions[name]
-    excess = np.abs((rows @ found[:, :, None])[..., 0] - right).max(axis=1)
+    solution[np.ix_(at, which)] = solved
+    for name in set(velocities) & set(order):
+        solution[:, velocities.index(name)] = conditions[name]
+    excess = np.abs((rows @ solution[:, :, None])[..., 0] - right).max(axis=1)
     size = 1.0 + np.max([np.abs(x) for x in conditions.values()], axis=0)
     good &= excess <= CONSISTENT * size
-    return found
+    return solution
 
 
 def _as_independent(rows: np.ndarray, chosen: list[int]) -> np.ndarray:
@@ -474,23 +478,23 @@ def _pose_conditions_of_many(
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
     """The conditions in order: their names, and rows (s, k, n) @ v = right (s, k)."""
     system = namespace.equations.system
-    own = [plain_name(x) for x in system.velocities]
+    velocities = [plain_name(x) for x in system.velocities]
     dots = namespace.rate_names
-    order = list(dict.fromkeys(name for name in (*own, *dots) if name in conditions))
-    unit, right = np.eye(len(own)), np.stack([conditions[k] for k in order], axis=-1)
-    if set(order) <= set(own):
-        rows = unit[[own.index(k) for k in order]]
+    order = list(dict.fromkeys(name for name in (*velocities, *dots) if name in conditions))
+    unit, right = np.eye(len(velocities)), np.stack([conditions[k] for k in order], axis=-1)
+    if set(order) <= set(velocities):
+        rows = unit[[velocities.index(k) for k in order]]
         return order, np.broadcast_to(rows, (len(q), *rows.shape)), right
-    values = rates(q, np.hstack([np.zeros((len(own), 1)), unit]))
+    values = rates(q, np.hstack([np.zeros((len(velocities), 1)), unit]))
     linear, offset = values[:, :, 1:] - values[:, :, :1], values[:, :, 0]
     posed = [
-        np.broadcast_to(unit[own.index(k)], (len(q), len(own)))
-        if k in own
+        np.broadcast_to(unit[velocities.index(k)], (len(q), len(velocities)))
+        if k in velocities
         else linear[:, dots.index(k)]
         for k in order
     ]
     for i, k in enumerate(order):
-        if k not in own:
+        if k not in velocities:
             right[:, i] -= offset[:, dots.index(k)]
     # a rate that has no value spoils the start, whether it is asked for or not
     right[~np.isfinite(values).all(axis=(1, 2))] = np.nan

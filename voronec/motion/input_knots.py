@@ -40,10 +40,10 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
     given = list(problem.parameters)
     left = changing if changing.python_signal is not None else None
     progress = None if problem.progress is None else Progress(problem.progress)
-    own = replace(
+    piece = replace(
         problem, start=problem.start.copy(), parameters=given, progress=progress, changing=left
     )
-    once, told = None if anew else make(own), problem.state_view()
+    once, told = None if anew else make(piece), problem.state_view()
 
     def ask(time: float, state: np.ndarray) -> None:
         for feedback in changing.feedbacks:
@@ -54,7 +54,7 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
         times = times.astype(float)
         values = changing.on(float(times[0]), float(times[-1]))
         given[:] = [float(values.get(n, x)) for n, x in zip(names, given, strict=True)]
-        own.start[:] = state.astype(float)
+        piece.start[:] = state.astype(float)
         if once is not None:
             try:
                 return once(times)
@@ -68,7 +68,7 @@ def in_pieces(make: Callable[[Problem], Integrator], problem: Problem, anew: boo
                 numbers = [exact_mpf(values.get(n, x)) for n, x in zip(names, known, strict=True)]
             return (first if state is problem.start else state), numbers
 
-        return make(replace(own, exact=exact))(times)
+        return make(replace(piece, exact=exact))(times)
 
     def run(grid: np.ndarray) -> Run:
         first, last = float(grid[0]), float(grid[-1])
@@ -156,20 +156,22 @@ class _Knots:
         assert problem.levels is not None and changing is not None
         ahead = [t for t in changing.knots(end, self.last) if t != end]
         right, extras = compile_program(problem.program)[0], compile_program(problem.levels)[1]
-        own = dict(zip(map(str, problem.program.parameters), problem.parameters, strict=True))
+        parameters = dict(
+            zip(map(str, problem.program.parameters), problem.parameters, strict=True)
+        )
         near = BESIDE * abs(end - first) + 4 * abs(np.spacing(end))
         step = near if end >= first else -near
         sides = (changing.on(first, end), changing.on(end, ahead[0] if ahead else self.last))
         for values, moment in zip(sides, (-step, step), strict=True):
-            there = {**own, **values, **changing.values_at(end + moment)}
+            there = {**parameters, **values, **changing.values_at(end + moment)}
             known = {name: float(x) for name, x in there.items()}
             here = [known[str(name)] for name in problem.program.parameters]
             at = state.astype(float)
             with np.errstate(all="ignore"):
                 moved = at + moment * np.array(right(end, at.tolist(), here), dtype=float)
                 numbers = [known[str(name)] for name in problem.levels.parameters]
-                found = extras(end + moment, moved.tolist(), numbers)
-            yield dict(zip(problem.levels.names, map(float, found), strict=True))
+                levels = extras(end + moment, moved.tolist(), numbers)
+            yield dict(zip(problem.levels.names, map(float, levels), strict=True))
 
 
 def _without_crossings(run: Run, instant: float, near: float) -> Run:

@@ -38,7 +38,7 @@ def breaks(
     times = np.linspace(start, end, SAMPLES + 1)
     values = _samples(function, times)
     size = np.ptp(values[np.isfinite(values)]) if np.isfinite(values).any() else 0.0
-    found: list[float] = []
+    instants: list[float] = []
     sharp: list[tuple[float, float]] = []
     parts = [(0, SAMPLES)] if size > 0 else []
     while parts:
@@ -47,7 +47,7 @@ def breaks(
         if not off > RESOLUTION * size:  # what has no value somewhere is the run's to refuse
             continue
         middle = (first + last) // 2
-        found.append(float(times[middle]))
+        instants.append(float(times[middle]))
         if last - first > 2:
             parts += [(first, middle), (middle, last)]
             continue
@@ -55,7 +55,7 @@ def breaks(
         if len(sharp) > MOST_SHARP:
             return None
     jumps = [t for low, high in sharp for t in _jump(function, low, high, RESOLUTION * size)]
-    return [*found, *jumps], sharp
+    return [*instants, *jumps], sharp
 
 
 def _jump(function: Callable[[Any], Any], low: float, high: float, least: float) -> list[float]:
@@ -86,13 +86,13 @@ def _samples(function: Callable[[Any], Any], times: np.ndarray) -> np.ndarray:
 
     try:
         with np.errstate(all="ignore"):
-            found = np.array(function(times.copy()), dtype=float)
+            samples = np.array(function(times.copy()), dtype=float)
     except Exception:  # it takes no arrays
-        found = np.empty(0)
-    if found.shape == times.shape:
+        samples = np.empty(0)
+    if samples.shape == times.shape:
         alone = np.array([single(float(times[k])) for k in PROBES])
-        if np.allclose(found[[*PROBES]], alone, rtol=1e-9, atol=0.0, equal_nan=True):
-            return found
+        if np.allclose(samples[[*PROBES]], alone, rtol=1e-9, atol=0.0, equal_nan=True):
+            return samples
     return np.array([single(t) for t in times.tolist()])
 
 

@@ -87,15 +87,15 @@ class Drive:
             if signal.feedback is not None:
                 signals.append(self._in_one_run(signal, start, end))
                 continue
-            found = [breaks(f, start, end) for f in signal.functions]
-            if None in found:
+            splits = [breaks(f, start, end) for f in signal.functions]
+            if None in splits:
                 notes.append(
                     f"the input '{signal.name}' changes faster than it is sampled, every "
                     f"{abs(end - start) / SAMPLES:.3g}; what happens between may be lost: give an "
                     "expression or a table, or run over shorter spans"
                 )
-            elif found:
-                known = [one for one in found if one is not None]
+            elif splits:
+                known = [one for one in splits if one is not None]
                 knots = sorted({Fraction(t) for instants, _ in known for t in instants})
                 sharp = sorted({part for _, parts in known for part in parts})
                 signal = replace(signal, instants=tuple(knots), sharp=tuple(sharp))
@@ -143,18 +143,18 @@ def drive(
     if not original.inputs and not inputs:
         return Drive(original, system if isinstance(system, VoronecEquations) else derive(system))
     values = _name_inputs(original, {**getattr(scene, "inputs", {}), **(inputs or {})})
-    found = [_stand_in(original, u, values, unknown) for u in original.inputs]
-    signals = tuple(each.signal for each in found if each.signal is not None)
+    stand_ins = [_stand_in(original, u, values, unknown) for u in original.inputs]
+    signals = tuple(each.signal for each in stand_ins if each.signal is not None)
     if signals and steady:
         raise DefinitionError(
             f"system '{original.name}': {steady} takes numbers and expressions of t for inputs, "
             f"not what '{signals[0].name}' is given; give one of these, or integrate "
             "the motions one by one"
         )
-    meaning = {thing: expr for each in found for thing, expr in each.meaning.items()}
-    constants = {name: x for each in found for name, x in each.constants.items()}
-    symbols = [s for each in found for s in each.symbols]
-    shapes = tuple(each.shape for each in found)
+    meaning = {thing: expr for each in stand_ins for thing, expr in each.meaning.items()}
+    constants = {name: x for each in stand_ins for name, x in each.constants.items()}
+    symbols = [s for each in stand_ins for s in each.symbols]
+    shapes = tuple(each.shape for each in stand_ins)
     changing = Signals(signals) if signals and not unknown else None
     driven = original.memo.once(  # once for each shape of the inputs
         ("driven", shapes), lambda: _with_meaning(original, meaning, symbols, bool(signals))
@@ -199,7 +199,7 @@ def _stand_in(system: System, u: sp.Expr, values: Mapping[str, Any], unknown: bo
 def _name_inputs(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
     """Values by the names of inputs, and of their rates."""
     known = [plain_name(u) + "dot" * k for u in system.inputs for k in range(3)]
-    found: dict[str, Any] = {}
+    named: dict[str, Any] = {}
     for key, value in fixed_mapping(given, "inputs", "name: value").items():
         name = key if isinstance(key, str) else plain_name(key)
         if name not in known:
@@ -207,8 +207,8 @@ def _name_inputs(system: System, given: Mapping[Any, Any]) -> dict[str, Any]:
                 f"system '{system.name}' has no input '{quote(name)}'; declare it, "
                 f"System(..., inputs=({quote(name)},)){did_you_mean(name, known)}"
             )
-        found[name] = value
-    return found
+        named[name] = value
+    return named
 
 
 def _read(system: System, u: sp.Expr, values: Mapping[str, Any]) -> sp.Expr | Signal:

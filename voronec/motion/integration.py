@@ -184,10 +184,10 @@ class MotionRequest:
             # digits are lost
             return first_success((self._beyond_poles, self._whole), self.time)
         except IntegrationError as error:
-            own, start = self.namespace.equations, error.time in (None, self.grid[0])
-            if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(own):
+            equations, start = self.namespace.equations, error.time in (None, self.grid[0])
+            if start and is_exact(self.method, self.tol) and self.outset.is_at_pole(equations):
                 raise IntegrationError(
-                    f"system '{own.system.name}': the motion starts at a pole of its angles, "
+                    f"system '{equations.system.name}': the motion starts at a pole of its angles, "
                     f"beyond which charts lead in doubles alone; give tol={EXACT:g} or more, and "
                     "not method='flint', or start elsewhere", self.grid[0], self.outset.state,
                 ) from error  # fmt: skip
@@ -195,13 +195,13 @@ class MotionRequest:
 
     def _beyond_poles(self, _: IntegrationError | None) -> Trajectory | None:
         """In charts that are regular at the poles of Euler's angles, where these can be made."""
-        own = self.namespace.equations
+        equations = self.namespace.equations
         # what is not smooth goes on in one chart alone
-        charted = None if self.smallest.is_rough else with_attitude_charts(own)
+        charted = None if self.smallest.is_rough else with_attitude_charts(equations)
         if charted is None:
             return None
         there = replace(self, namespace=Namespace.of(charted))
-        return replace(there._whole(), system=own.system)
+        return replace(there._whole(), system=equations.system)
 
     def _whole(self, _: IntegrationError | None = None) -> Trajectory:
         """By the equations as they are, on the coordinates."""
@@ -357,8 +357,8 @@ class _Job:
         changing, namespace = self.asked.outset.changing, self.asked.namespace
         if changing is None or not changing.feedbacks:
             return None
-        own = {*map(str, self.made.program.state)}
-        names = [name for name in namespace.rate_names if name not in own]
+        states = {*map(str, self.made.program.state)}
+        names = [name for name in namespace.rate_names if name not in states]
         told = {name: namespace.inward(namespace.known[name]) for name in names}
         return quantities(self.made.form, told)
 
@@ -403,9 +403,9 @@ class _Job:
             run.steps, watch.integrals_to_follow(smooth), {**watch.relations, **watch.vanishing},
             self.asked.outset.changing, watch.integrals_to_follow(smooth, jumping=True),
         )  # fmt: skip
-        own = [str(x) for x in (*form.coordinates, *form.velocities)]
-        known = smooth and {*own} <= {*watch.known, *map(str, made.program.state)}
-        at_home = partial(self._at_home, own, check) if known else None
+        variables = [str(x) for x in (*form.coordinates, *form.velocities)]
+        known = smooth and {*variables} <= {*watch.known, *map(str, made.program.state)}
+        at_home = partial(self._at_home, variables, check) if known else None
         t, states = run.t.astype(float), run.states.astype(float)
         return check.breach(t, states, run.samples, at_home, self.asked.outset.constants)
 
@@ -439,12 +439,12 @@ class _Job:
         def find() -> list[SingularDenominator]:
             return ground.watch_divisors(form, made.below, outset.state, made.is_rough)
 
-        found = find() if outset.changing is not None else made.memo.last(
+        watched = find() if outset.changing is not None else made.memo.last(
             "divisors", outset.constants_key, find
         )  # fmt: skip
-        if ground.is_near_zero(form, found, state, values):
+        if ground.is_near_zero(form, watched, state, values):
             raise NearSingularDenominator(self.asked.namespace)
-        return tuple(found)
+        return tuple(watched)
 
     def _poles(self, method: str) -> _Poles:
         """What watches the poles of coordinates; kept with the model for the constants."""
@@ -506,14 +506,14 @@ class _Poles:
         """The problem, with the poles among its events, and the functions of these by name."""
 
         def make() -> tuple[dict[str, Any], Mapping[str, Any]]:
-            found, functions = problem, job.made.event_functions
+            guarded, functions = problem, job.made.event_functions
             if self.notes is not None:
-                found = self.notes.watch(found, job.made.form, functions)
+                guarded = self.notes.watch(guarded, job.made.form, functions)
                 functions = {**functions, **self.notes.levels}
             if self.guard is not None:
-                found = self.guard.watch(found, functions, job.asked.grid)
+                guarded = self.guard.watch(guarded, functions, job.asked.grid)
                 functions = {**functions, **self.guard.levels}
-            return {n: getattr(found, n) for n in ("events", "levels", "coarse")}, functions
+            return {n: getattr(guarded, n) for n in ("events", "levels", "coarse")}, functions
 
         if self.guard is None and self.notes is None:
             return problem, job.made.event_functions
@@ -608,9 +608,9 @@ def first_success(ways: Iterable[Way], begin: float) -> Trajectory:
     errors: list[IntegrationError] = []
     for way in ways:
         try:
-            found = way(errors[0] if errors else None)
-            if found is not None:
-                return _with_failures(found, errors)
+            trajectory = way(errors[0] if errors else None)
+            if trajectory is not None:
+                return _with_failures(trajectory, errors)
         except IntegrationError as error:
             errors.append(error)
         except (DefinitionError, EngineLimit):
@@ -632,5 +632,5 @@ def _with_failures(trajectory: Trajectory, errors: list[IntegrationError]) -> Tr
         return trajectory
     words = "; ".join(f"{c.method} in {c.formulation} fails after t = {t:.6g}" for c, t in failed)
     cost = trajectory.cost
-    own = cost.reason if cost.method == failed[0][0].method else "auto"
-    return replace(trajectory, cost=replace(cost, reason=f"{own}: {words}"))
+    reason = cost.reason if cost.method == failed[0][0].method else "auto"
+    return replace(trajectory, cost=replace(cost, reason=f"{reason}: {words}"))

@@ -96,6 +96,6 @@ def is_stiff(problem: Problem, grid: np.ndarray) -> bool:
     slopes = np.array(moved).T / steps
     if not np.isfinite(slopes).all():
         return False
-    found = np.linalg.eigvals(slopes)
-    fastest = found[np.argmax(np.abs(found))] * span
+    eigenvalues = np.linalg.eigvals(slopes)
+    fastest = eigenvalues[np.argmax(np.abs(eigenvalues))] * span
     return bool(-fastest.real > max(most, abs(fastest.imag)))

@@ -161,13 +161,13 @@ METHODS: dict[str, Method] = {
 def absent(method: str, error: ImportError) -> DefinitionError:
     """The refusal of a method whose library failed to load; one that is installed counts as absent
     from then on, with one warning."""
-    own = METHODS[method]
-    if not own.absence:
-        IMPORT_ERRORS[own.library] = (
-            f"{own.library} is installed but cannot be imported: {quote(error)}"
+    entry = METHODS[method]
+    if not entry.absence:
+        IMPORT_ERRORS[entry.library] = (
+            f"{entry.library} is installed but cannot be imported: {quote(error)}"
         )
-        warnings.warn(f"{own.absence}; it counts as absent", stacklevel=2)
-    return DefinitionError(f"{own.absence}; 'pip install {method}', or use method='scipy'")
+        warnings.warn(f"{entry.absence}; it counts as absent", stacklevel=2)
+    return DefinitionError(f"{entry.absence}; 'pip install {method}', or use method='scipy'")
 
 
 def compiled_method() -> str:
@@ -326,17 +326,17 @@ def _make_stepper(method: str, problem: Problem, reason: str) -> tuple[Integrato
     pieces = in_pieces(make, replace(problem, dense=problem.dense or bool(followed)), made.exact)
 
     def run(grid: np.ndarray) -> Run:
-        found, told = pieces(grid), problem.state_view()
+        course, told = pieces(grid), problem.state_view()
 
         def motion(times: np.ndarray) -> list[Mapping[str, float]]:
-            assert found.inside is not None
-            states = found.inside(times).tolist()
+            assert course.inside is not None
+            states = course.inside(times).tolist()
             return [told(t, y, problem.parameters) for t, y in zip(times, states, strict=True)]
 
         for feedback in followed:
             feedback.motion = motion
-        if followed and found.halt is not None and not found.halt.mend:
-            found = replace(found, halt=replace(found.halt, mend=CONTINUOUS))
-        return found if problem.dense else replace(found, inside=None)
+        if followed and course.halt is not None and not course.halt.mend:
+            course = replace(course, halt=replace(course.halt, mend=CONTINUOUS))
+        return course if problem.dense else replace(course, inside=None)
 
     return run if followed else pieces, chosen

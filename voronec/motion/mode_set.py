@@ -122,13 +122,13 @@ class ModeSet:
         ``corners``; None where none is there."""
         floors = tuple(s for s in along if s.switch.whole)
         key = (corners, along, tuple(sides[s.switch] for s in floors))
-        found = self.known_modes.get(key)
-        if found is None:
-            found = self._make_mode(corners, sides, along)
-            if found is None:
+        known = self.known_modes.get(key)
+        if known is None:
+            known = self._make_mode(corners, sides, along)
+            if known is None:
                 return None
-            self.known_modes[key] = found
-        return replace(found, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
+            self.known_modes[key] = known
+        return replace(known, sides=sides, watch=self._watched_surfaces(corners[0], sides, along))
 
     def _switching_ends(
         self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
@@ -150,10 +150,10 @@ class ModeSet:
     def _watched_surfaces(
         self, corner: SmoothBranch, sides: Mapping[Switch, int], along: tuple[LevelSurface, ...]
     ) -> dict[str, tuple[LevelSurface, ...]]:
-        found = self._switching_ends(corner, sides, along)
+        ends = self._switching_ends(corner, sides, along)
         rims = {f"rim {i}": () for i in range(len(corner.rims))}
         weights = {f"weight {i}": along for i in range(len(along))}
-        return {name: (surface,) for name, (surface, _) in found.items()} | rims | weights
+        return {name: (surface,) for name, (surface, _) in ends.items()} | rims | weights
 
     def _fall(self, base: Any, corner: SmoothBranch, sides: Mapping[Switch, int]) -> Any:
         """What falls through zero where a radicand of velocities has vanished; of a sum of squares,
@@ -189,10 +189,10 @@ class ModeSet:
             numbered = [
                 self._number_corner(c, s, along) for c, s in zip(corners, below, strict=True)
             ]
-            found = motion_along_surfaces(numbered, along)
-            if found is None:
+            motion = motion_along_surfaces(numbered, along)
+            if motion is None:
                 return None
-            program, weighing = _hold_still(found[0], along), found[1]
+            program, weighing = _hold_still(motion[0], along), motion[1]
             kinds = [f"{w} {i}" for w in ("weight", "return") for i in range(len(along))]
             block = Block(weighing.assignments, (*functions.values(), *weighing.results))
             levels = replace(program, names=(*functions, *kinds), extras=block)
@@ -257,10 +257,10 @@ def _with_turns(
     """The events' quantities, and the rates of those of ``functions`` that turn."""
     lines = program.derivative.assignments
     fresh = {name: se.Symbol(f"level {i}") for i, (name, _) in enumerate(levels.extras.assignments)}
-    own = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)
+    assignments = tuple((fresh[n], e.xreplace(fresh)) for n, e in levels.extras.assignments)
     results = tuple(se.sympify(r).xreplace(fresh) for r in levels.extras.results)
     moved = [program.rate(functions[name.removeprefix("turn at ")]) for name in turns]
-    block = Block((*lines, *own), (*results, *moved))
+    block = Block((*lines, *assignments), (*results, *moved))
     return replace(levels, names=(*levels.names, *turns), extras=block)
 
 
@@ -283,8 +283,8 @@ def _hold_still(program: Program, along: Sequence[LevelSurface]) -> Program:
 
 def _of_events(levels: Program, given: Sequence[Guard], ends: Sequence[str]) -> Program:
     """What the events of a motion along surfaces look at: weights by how far they are from +-1."""
-    found = dict(zip(levels.names, levels.extras.results, strict=True))
-    results = [found[e.name] for e in given]
-    results += [1 - found[n] ** 2 if n.startswith("weight") else found[n] for n in ends]
+    named = dict(zip(levels.names, levels.extras.results, strict=True))
+    results = [named[e.name] for e in given]
+    results += [1 - named[n] ** 2 if n.startswith("weight") else named[n] for n in ends]
     names = (*(e.name for e in given), *ends)
     return replace(levels, names=names, extras=replace(levels.extras, results=tuple(results)))

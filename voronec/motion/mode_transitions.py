@@ -137,8 +137,8 @@ class Crossroads(ModeSet):
                 corners[above] = corner, values
                 for switch in corner.switches:
                     if switch not in ahead and (switch not in switches or switch.floors):
-                        found = self._touched_surfaces(switch, time, state, values)
-                        more += [s for s in found if s not in (*met, *more)]
+                        touched = self._touched_surfaces(switch, time, state, values)
+                        more += [s for s in touched if s not in (*met, *more)]
             if not more or len(met) > MOST:
                 return met, corners
 
@@ -246,16 +246,16 @@ class Crossroads(ModeSet):
             later, there = self._short_way(program, time, state, sides, (*surfaces, *along))
         except NO_VALUE:
             return [0] * len(surfaces)
-        found = []
+        signs = []
         for surface in surfaces:
             if surface.switch not in sides or not self._is_near(surface, time, state, sides):
-                found.append(0)
+                signs.append(0)
                 continue
             a = self._measure(surface.switch, time, state, sides)[0]
             b = self._measure(surface.switch, later, there, sides)[0]
             tiny = mpmath.mpf(2) ** (-2 * self.bits - GUARD // 2) * max(abs(a), abs(surface.level))
-            found.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
-        return found
+            signs.append(0 if abs(b - a) <= tiny else 1 if b > a else -1)
+        return signs
 
     def _short_way(
         self, program: Program, time: Any, state: np.ndarray, sides: Mapping[Switch, int],
@@ -282,8 +282,8 @@ class Crossroads(ModeSet):
         """Time and state a moment later (``way`` 1) or before, or a part of a moment."""
 
         def rates(t: Any, x: np.ndarray) -> np.ndarray:
-            found = self._rates(program, sides, t, x)
-            return np.array([mpmath.mpf(r) for r in found], dtype=object)
+            field = self._rates(program, sides, t, x)
+            return np.array([mpmath.mpf(r) for r in field], dtype=object)
 
         pairs = zip(rates(time, state), state, strict=True)
         pace = max((abs(f) / max(1, abs(x)) for f, x in pairs), default=0)
@@ -313,10 +313,10 @@ class Crossroads(ModeSet):
             return state
         rows = mpmath.matrix([row for _, row in pairs])
         try:
-            found = rows.T * mpmath.lu_solve(rows * rows.T, mpmath.matrix([g for g, _ in pairs]))
+            shift = rows.T * mpmath.lu_solve(rows * rows.T, mpmath.matrix([g for g, _ in pairs]))
         except ZeroDivisionError:
             return state
-        moved = state - np.array(list(found), dtype=object)
+        moved = state - np.array(list(shift), dtype=object)
         usual = np.maximum(1, self.units)
         if any(abs(moved - state) > self.problem.tol * np.maximum(usual, abs(state))):
             return state
@@ -364,7 +364,7 @@ class Crossroads(ModeSet):
         """The state of rest, where the fields on the sides cancel and hold no time, until a
         switching surface that holds it is reached: something may set in there."""
         first, sides = next(iter(corners.values()))
-        rows, later, own = [], dict[Switch, int](), dict[Switch, int]()
+        rows, later, merged = [], dict[Switch, int](), dict[Switch, int]()
         for corner, beside in corners.values():
             clock, switches = corner.program.time, (*corner.switches, *(s.switch for s in met))
             if self.problem.changing is not None or self._holds_time(corner.program, beside, time):
@@ -374,7 +374,7 @@ class Crossroads(ModeSet):
             if strange or any(s.switch in timed for s in met):
                 return None
             later |= {w: beside[w] for w in timed if not w.fixed}
-            own |= beside
+            merged |= beside
             rows.append([float(x) for x in self._rates(corner.program, beside, time, state)])
         from scipy.optimize import nnls
 
@@ -386,7 +386,7 @@ class Crossroads(ModeSet):
         zero = Block((), (se.Integer(0),) * len(state))
         program = replace(first.program, derivative=zero)
         still = replace(first, program=program, switches=(*later,), signs=later, rims=())
-        return self.mode((still,), {**own, **sides}, ())
+        return self.mode((still,), {**merged, **sides}, ())
 
     def _holds_time(self, program: Program, sides: Mapping[Switch, int], time: Any) -> bool:
         """Whether rates hold the time, other than times a parameter that is zero, as the slope of
@@ -438,12 +438,12 @@ class Crossroads(ModeSet):
             def rates(there: np.ndarray, corner: Any = corner, sides: Any = sides) -> Any:
                 return np.array(self._rates(corner.program, sides, time, there), dtype=object)
 
-            own = rates(state)
-            moved = rates(beside) - own
-            usual = max(abs(rates(state + way * far) - own)) / far
+            field = rates(state)
+            moved = rates(beside) - field
+            usual = max(abs(rates(state + way * far) - field)) / far
             if max(abs(moved)) / near > STEEP * max(usual, 1):
                 push = here.dot(moved)
-                later = rates(beside + moved * near**2) - own - moved
+                later = rates(beside + moved * near**2) - field - moved
                 if push > 0 or (push == 0 and here.dot(later) > 0):
                     return True
         return False
@@ -467,8 +467,8 @@ class Crossroads(ModeSet):
         leads to it, in the sense of time: then the motion may have come along it."""
         g, size = self._value_and_size(surface.switch, time, state, sides)
         side = 1 if sides[surface.switch] == surface.value(1) else -1
-        own, scale = self._rate(time, state, surface, sides)
-        if abs(g - surface.level) > GRAZE * size or abs(own) > mpmath.sqrt(GRAZE) * scale:
+        rate, scale = self._rate(time, state, surface, sides)
+        if abs(g - surface.level) > GRAZE * size or abs(rate) > mpmath.sqrt(GRAZE) * scale:
             return False
         other, _ = self._rate(time, state, surface, {**sides, surface.switch: surface.value(-side)})
         return bool(other * side > 0)
@@ -482,12 +482,12 @@ class Crossroads(ModeSet):
         if abs(g - surface.level) > self.problem.tol**UNSURE * size:
             return False
         side = 1 if sides[surface.switch] == surface.value(1) else -1
-        own, bend = self._rate_and_bend(time, state, surface, sides)
-        if bend * side <= 0 or own**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
+        rate, bend = self._rate_and_bend(time, state, surface, sides)
+        if bend * side <= 0 or rate**2 / (2 * bend * side) > self.problem.tol**UNSURE * size:
             return False
         beyond = {**sides, surface.switch: surface.value(-side)}
         other, bend = self._rate_and_bend(time, state, surface, beyond)
-        return not (other * self.order * side > 2 * abs(own) or bend * side > 0)
+        return not (other * self.order * side > 2 * abs(rate) or bend * side > 0)
 
     def _rate_and_bend(
         self, time: Any, state: np.ndarray, surface: LevelSurface, sides: Mapping[Switch, int]
@@ -505,11 +505,11 @@ class Crossroads(ModeSet):
         of that."""
         self._require_rates((surface,))
         corner, values = self._corner(time, state, sides)
-        found = self._rates(corner.program, values, time, state)
+        field = self._rates(corner.program, values, time, state)
         _, slope, *slopes = self._measure(surface.switch, time, state, sides)
-        terms = [slope, *(a * b for a, b in zip(slopes, found, strict=True))]
+        terms = [slope, *(a * b for a, b in zip(slopes, field, strict=True))]
         speeds = [
-            abs(a) * max(abs(b), abs(x)) for a, b, x in zip(slopes, found, state, strict=True)
+            abs(a) * max(abs(b), abs(x)) for a, b, x in zip(slopes, field, state, strict=True)
         ]
         return sum(terms), sum(speeds) + abs(slope)
 
@@ -567,8 +567,8 @@ class Crossroads(ModeSet):
     def _holds(self, mode: Mode, time: Any, state: np.ndarray) -> tuple[list[Any], list[Any]]:
         """Along surfaces, the weights of the sides, and how far the push of each leads back."""
         values = self.values(mode.program, mode.sides, time)
-        found = compiled_digits(mode.levels)[1](time, list(state), values)
-        named = dict(zip(mode.levels.names, found, strict=True))
+        levels = compiled_digits(mode.levels)[1](time, list(state), values)
+        named = dict(zip(mode.levels.names, levels, strict=True))
         weights, returns = (
             [named[f"{kind} {i}"] for i in range(len(mode.along))] for kind in ("weight", "return")
         )

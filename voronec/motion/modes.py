@@ -135,8 +135,8 @@ class Modes:
     def inner_switches(self, switch: Switch) -> list[Switch]:
         """The switching surfaces of the floors in the function of a switching surface, inner ones
         first."""
-        found = [w for w, symbol in self._floors.items() if symbol in switch.floors]
-        return [inner for w in found for inner in (*self.inner_switches(w), w)]
+        switches = [w for w, symbol in self._floors.items() if symbol in switch.floors]
+        return [inner for w in switches for inner in (*self.inner_switches(w), w)]
 
     def corner(self, side: Callable[[Switch], int]) -> SmoothBranch:
         """The equations on given sides of the switching surfaces."""
@@ -163,12 +163,12 @@ class Modes:
         floors = [self.floor(switch) for switch in change.switches if switch.whole]
         made = replace(made, parameters=(*form.parameters, *floors))
         exprs = made.expressions
-        found = SmoothBranch(
+        branch = SmoothBranch(
             made, Program.of(made), functions, signs,
             tuple(switch for switch in change.switches if switch not in idle), rims(form, exprs),
         )  # fmt: skip
-        self._corners.append(found)
-        return found
+        self._corners.append(branch)
+        return branch
 
     def _idle_switches(self, change: Sides, asked: Mapping[Switch, int]) -> list[Switch]:
         """The switching surfaces of signs on both sides of which everything is the same, as it is
@@ -177,9 +177,9 @@ class Modes:
         if len(asked) < 2:  # a switching surface is idle beside others alone
             return []
         exprs = [*self.form.expressions, *self.functions.values()]
-        found = [change(se.sympify(e)) for e in exprs]
+        changed = [change(se.sympify(e)) for e in exprs]
         again = replace(change, switches={}, _known={})
-        for expr in found:
+        for expr in changed:
             again(expr)  # what only keeps a step from going over it is met once more
         met = (n.args[0] for n in nodes(map(se.sympify, exprs)) if isinstance(n, se.sign | se.Abs))
         signs = {f for g in met for f in (g, *factors_of(g))}
@@ -191,7 +191,7 @@ class Modes:
                 {switch, *kept} for n in range(len(idle) + 1) for kept in combinations(idle, n)
             ]
             if len(idle) < MOST_IDLE and all(
-                self._is_same(exprs, found, change, asked, switches) for switches in turned
+                self._is_same(exprs, changed, change, asked, switches) for switches in turned
             ):
                 idle.append(switch)
         return idle
@@ -217,13 +217,13 @@ class Modes:
         """An entry on the sides, without the factors that vanish on a switching surface both above
         and below."""
         expr = se.sympify(expr)
-        found = change(expr)
-        if found == expr:
+        changed = change(expr)
+        if changed == expr:
             return expr
         try:
-            return canonical_for_numbers([found], self.form)[0]
+            return canonical_for_numbers([changed], self.form)[0]
         except EngineLimit:
-            return found
+            return changed
 
     @remember("_gauges")
     def gauge(self, switch: Switch) -> Callable[..., Any]:
@@ -266,14 +266,14 @@ def _cusps(form: Any, exprs: Sequence[Any]) -> frozenset[Any]:
     """The radicands in expressions that vanish on a switching surface."""
     still = frozenset(form.parameters)
     bases = radicands(exprs, frozenset((*form.coordinates, *form.velocities, form.time)))
-    found = set()
+    cusps = set()
     for change in (Sides(lambda _: 1, _zero, still), Sides(lambda _: -1, _zero, still)):
         for expr in exprs if bases else ():
             change(expr)
         for base in bases:
             if any(_vanishes(change(base), [switch.function], still) for switch in change.switches):
-                found.add(base)
-    return frozenset(found)
+                cusps.add(base)
+    return frozenset(cusps)
 
 
 def _zero(_switch: Switch) -> Any:
@@ -311,10 +311,10 @@ def rims(form: Any, exprs: Sequence[Any]) -> tuple[Any, ...]:
     drag k v |v| of the air, has a bounded slope and is none: the motion goes on.
     """
     moving, positive = frozenset(form.velocities), frozenset(form.positive)
-    found = [b for b in radicands(exprs, moving) if not _is_positive(b, positive)]
-    steep = [b for b in _steep(exprs) if not _is_positive(b, positive)] if found else []
+    candidates = [b for b in radicands(exprs, moving) if not _is_positive(b, positive)]
+    steep = [b for b in _steep(exprs) if not _is_positive(b, positive)] if candidates else []
     held = moving.intersection({x for b in steep for x in b.free_symbols})
-    return tuple(b for b in found if b.free_symbols & held or not is_length(se.sqrt(b)))
+    return tuple(b for b in candidates if b.free_symbols & held or not is_length(se.sqrt(b)))
 
 
 def is_length(root: Any) -> bool:
@@ -458,8 +458,8 @@ def _eliminate(
             for m in range(i + 1, n):
                 rows[j][m] = name(rows[j][m] - factor * rows[i][m])
             values[j] = name(values[j] - factor * values[i])
-    found: list[Any] = [None] * n
+    solution: list[Any] = [None] * n
     for i in reversed(range(n)):
-        rest = se.Add(*[rows[i][m] * found[m] for m in range(i + 1, n)])
-        found[i] = name((values[i] - rest) / rows[i][i])
-    return found
+        rest = se.Add(*[rows[i][m] * solution[m] for m in range(i + 1, n)])
+        solution[i] = name((values[i] - rest) / rows[i][i])
+    return solution

@@ -63,7 +63,7 @@ def ground(
     """The smallest model that holds for all starts, where it has everything wanted as it is; else
     all coordinates and velocities.  Integrals stand in for equations only where that is asked."""
     equations = namespace.equations
-    own = equations.form
+    form = equations.form
     integrals = {name: namespace.claims[name] for name in equations.system.integrals}
     model = None
     if wanted and not namespace.holds_reactions(wanted.values()):
@@ -81,8 +81,8 @@ def ground(
         )
     return WorkingEquations(
         formulation="coordinates",
-        form=own,
-        start=(*own.coordinates, *own.velocities),
+        form=form,
+        start=(*form.coordinates, *form.velocities),
         frozen={},
         quantities={name: namespace.inward(e) for name, e in wanted.items()},
         integrals={name: namespace.inward(e) for name, e in integrals.items()},
@@ -156,8 +156,8 @@ class Many:
         scales = np.array([d.scale for d in self.divisors])[:, None]
 
         def sizes(times: Any, states: np.ndarray, values: np.ndarray) -> np.ndarray:
-            found = at_each(evaluate, program.names, times, states, values[:, order])
-            return np.stack([found[name] for name in names]) / scales
+            series = at_each(evaluate, program.names, times, states, values[:, order])
+            return np.stack([series[name] for name in names]) / scales
 
         return sizes
 
@@ -240,8 +240,8 @@ class Many:
     def start_values(self, i: int) -> dict[sp.Expr, float]:
         """The coordinates and velocities with which motion i starts."""
         system = self.namespace.equations.system
-        own = [*system.coordinates, *system.velocities]
-        return dict(zip(own, self.full[i].tolist(), strict=True))
+        variables = [*system.coordinates, *system.velocities]
+        return dict(zip(variables, self.full[i].tolist(), strict=True))
 
     def error(self, i: int, what: str, mend: str, time: Any, state: Any) -> IntegrationError:
         """The error of motion i: what went wrong, what mends it, and where it was last good."""
@@ -309,13 +309,13 @@ def _states(
         if i in wrong:
             continue
         given = starts[i]
-        own = {name: float(x[i]) for name, x in constants.items()}
+        parameters = {name: float(x[i]) for name, x in constants.items()}
         try:
             if np.isnan(full[i]).any():
                 rates = partial(rates_along, quiet(follow, table[i].tolist()), time)
                 data = name_values(namespace, given, "initial value")
-                full[i] = start_of(namespace, initial, data, own, rates, time).state
-            require_inertia(equations, own, full[i], time)
+                full[i] = start_of(namespace, initial, data, parameters, rates, time).state
+            require_inertia(equations, parameters, full[i], time)
         except VoronecError as error:
             wrong[i] = error
     return full
@@ -393,9 +393,9 @@ def _place_on_ground(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The states and the frozen quantities on the ground."""
     values = _table(constants, below.parameters, len(full))
-    found = at_each(extras, below.names, time, full, values)
-    columns = [x for n, x in found.items() if n.startswith("start ")]
-    frozen = {n.removeprefix("frozen "): x for n, x in found.items() if n.startswith("frozen ")}
+    series = at_each(extras, below.names, time, full, values)
+    columns = [x for n, x in series.items() if n.startswith("start ")]
+    frozen = {n.removeprefix("frozen "): x for n, x in series.items() if n.startswith("frozen ")}
     return np.stack(columns, axis=-1), frozen
 
 
@@ -479,8 +479,8 @@ class Drifts:
         self, name: str, scale: np.ndarray, t: np.ndarray, states: np.ndarray, values: np.ndarray
     ) -> np.ndarray:
         each = self._values(values, len(t))
-        found = at_each(compile_program(self.program)[1], self.program.names, t, states, each)
-        size = np.fmax.reduce(found[name], axis=1)
+        series = at_each(compile_program(self.program)[1], self.program.names, t, states, each)
+        size = np.fmax.reduce(series[name], axis=1)
         return np.where(scale > CANCELLATION * size, scale, size)
 
     def _slopes(

@@ -69,15 +69,15 @@ def rates_at(
     ground = ConstraintGeometry(equations, constants, time)
 
     def rates(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        found = v
+        slopes = v
         for normal in (False, True):  # that is derived where it is needed alone
-            own = equations.form if normal else form
-            values = [constants.get(str(p), np.nan) for p in own.parameters]
-            program = _rates_program(equations, own)
-            found = StateProbe(equations.system.name, own, program, values, time).rates(q, v)
-            if np.isfinite(found).all() and _are_rates(ground, q, v, found):
-                return found
-        return np.full_like(found, np.nan)
+            chosen = equations.form if normal else form
+            values = [constants.get(str(p), np.nan) for p in chosen.parameters]
+            program = _rates_program(equations, chosen)
+            slopes = StateProbe(equations.system.name, chosen, program, values, time).rates(q, v)
+            if np.isfinite(slopes).all() and _are_rates(ground, q, v, slopes):
+                return slopes
+        return np.full_like(slopes, np.nan)
 
     return rates
 
@@ -202,9 +202,9 @@ class InitialState:
             return cls._read(namespace, given, time, project, changing)
 
         def read() -> InitialState:
-            found = cls._read(namespace, given, time, project, None)
-            found.state.flags.writeable = False
-            return found
+            outset = cls._read(namespace, given, time, project, None)
+            outset.state.flags.writeable = False
+            return outset
 
         said = given.parameters, given.scene_initial, given.initial
         asked = {"time": time, "project": int(project)}
@@ -294,16 +294,16 @@ class WideStart:
         names = {plain_name(x) for x in system.coordinates}
         later = {k: x for k, x in new.items() if k not in names}
         earlier = {k: x for k, x in old.items() if k not in names and k not in later}
-        own = {plain_name(v): 0.0 for v in system.velocities}
-        earlier = {**{k: x for k, x in own.items() if k not in later}, **earlier}
-        found = _Conditions.at(ground, q)
-        found.require_motion(ground, q)
-        if found.is_open(later, earlier):
+        velocities = {plain_name(v): 0.0 for v in system.velocities}
+        earlier = {**{k: x for k, x in velocities.items() if k not in later}, **earlier}
+        posed = _Conditions.at(ground, q)
+        posed.require_motion(ground, q)
+        if posed.is_open(later, earlier):
             w = _sharp_velocities(namespace, ground, given, q, later, earlier)
         else:
-            w = found.solve(later, earlier)
-        missed = [k for k, x in later.items() if not found.holds(k, x, w)]
-        if missed and not project and found.blind.shape[1] and missed[0] in own:
+            w = posed.solve(later, earlier)
+        missed = [k for k, x in later.items() if not posed.holds(k, x, w)]
+        if missed and not project and posed.blind.shape[1] and missed[0] in velocities:
             if framed is not None:
                 return cls(namespace, ground, given, np.append(q, np.nan * w), (), framed)
             raise DefinitionError(
@@ -315,18 +315,18 @@ class WideStart:
             raise DefinitionError(
                 f"system '{system.name}': the initial velocities are off the constraints: "
                 f"'{missed[0]}' = {later[missed[0]]:.12g} (residual "
-                f"{found.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}' "
+                f"{posed.residual(missed[0], later[missed[0]], w):.3g}); correct '{missed[0]}' "
                 "or leave it out, or give project=True"
             )
         if missed:
-            w, wanted = found.nearest(later), np.array([*later.values()])
-            moved = wanted + [found.excess(k, x, w) for k, x in later.items()]
+            w, wanted = posed.nearest(later), np.array([*later.values()])
+            moved = wanted + [posed.excess(k, x, w) for k, x in later.items()]
             notes.append(note_of_velocities([*later], wanted, moved))
-            w = found.solve(dict(zip(later, moved.tolist(), strict=True)), earlier)
+            w = posed.solve(dict(zip(later, moved.tolist(), strict=True)), earlier)
         all_given = {**old, **later}
-        held = tuple(k for k in all_given if k not in names and found.holds(k, all_given[k], w))
+        held = tuple(k for k in all_given if k not in names and posed.holds(k, all_given[k], w))
         wide = np.concatenate([q, w])
-        spare = tuple(k for k in own if k not in held and found.holds(k, 0.0, w))
+        spare = tuple(k for k in velocities if k not in held and posed.holds(k, 0.0, w))
         return cls(namespace, ground, given, wide, (*held, *spare), notes=tuple(notes))
 
     @property
@@ -336,16 +336,16 @@ class WideStart:
             return self.framed
         count = len(self.ground.home.definition.coordinates)
         q, w = self.wide[:count], self.wide[count:]
-        found = _Conditions.at(self.ground, q)
-        return np.concatenate([q, found.frame[:, :-1] @ w + found.frame[:, -1]])
+        posed = _Conditions.at(self.ground, q)
+        return np.concatenate([q, posed.frame[:, :-1] @ w + posed.frame[:, -1]])
 
     def exact(self, bits: int) -> tuple[np.ndarray, Mapping[str, Any]]:
         """State and parameters, these by name, as mpmath's numbers."""
         with mpmath.workprec(bits):
             constants, given, q = _exact_place(self.namespace, self.ground, self.start_data, bits)
             w = [mpmath.mpf(float(x)) for x in self.wide[len(q) :]]
-            found = _Conditions.at(self.ground, q, constants)
-            return np.array([*q, *found.refine(w, self.targets, given)], dtype=object), constants
+            posed = _Conditions.at(self.ground, q, constants)
+            return np.array([*q, *posed.refine(w, self.targets, given)], dtype=object), constants
 
 
 def _exact_place(
@@ -385,14 +385,14 @@ def _sharp_velocities(
         constants, values, place = _exact_place(namespace, ground, given, SHARP)
         if np.abs(place.astype(float) - q).max(initial=0.0) > ULPS * (1 + np.abs(q).max()):
             place = np.array([mpmath.mpf(x) for x in q], dtype=object)  # moved on request
-        found = _Conditions.at(ground, place, constants)
-        w = found.sharp([*later, *earlier], values)
+        posed = _Conditions.at(ground, place, constants)
+        w = posed.sharp([*later, *earlier], values)
     most = int(np.argmax(np.abs(w)))
     if abs(w[most]) > FAST * max(1.0, *(abs(x) for x in [*later.values(), *earlier.values()])):
         raise DefinitionError(
-            f"system '{found.system.name}': the velocities {', '.join(found.own)} are almost no "
-            f"frame at the initial point, where those given ask for '{found.dots[most]}' = "
-            f"{w[most]:.3g}; give '{found.dots[most]}', or start farther from that point"
+            f"system '{posed.system.name}': the velocities {', '.join(posed.own)} are almost no "
+            f"frame at the initial point, where those given ask for '{posed.dots[most]}' = "
+            f"{w[most]:.3g}; give '{posed.dots[most]}', or start farther from that point"
         )
     return w
 
@@ -401,11 +401,11 @@ def _least_squares(
     left: np.ndarray, right: np.ndarray, further: np.ndarray, wanted: np.ndarray
 ) -> np.ndarray:
     """The w with left w = right, and, as far as this leaves it open, further w = wanted."""
-    found = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
+    solution = np.linalg.pinv(left, LEAST_SINGULAR_VALUE) @ right
     _, sizes, basis = np.linalg.svd(left)
     free_ways = basis[int((sizes > LEAST_SINGULAR_VALUE * sizes.max(initial=0.0)).sum()) :].T
-    rest = np.linalg.pinv(further @ free_ways, LEAST_SINGULAR_VALUE) @ (wanted - further @ found)
-    return np.asarray(found + free_ways @ rest)
+    rest = np.linalg.pinv(further @ free_ways, LEAST_SINGULAR_VALUE) @ (wanted - further @ solution)
+    return np.asarray(solution + free_ways @ rest)
 
 
 @dataclass(frozen=True)
@@ -438,11 +438,13 @@ class _Conditions:
             )
         dots = system.directions if d.group is not None else map(velocity, system.coordinates)
         names = [plain_name(x) for x in dots]
-        own = [plain_name(v) for v in system.velocities]
+        velocities = [plain_name(v) for v in system.velocities]
         rows = ground.coordinate_rows(ground.time, wide, constants)
         slopes = [plain_name(velocity(x)) for x in system.coordinates]
         rates = dict(zip(slopes, rows, strict=False))
-        return cls(system, conditions, frame, rates, names, own, blind_directions(ground, wide))
+        return cls(
+            system, conditions, frame, rates, names, velocities, blind_directions(ground, wide)
+        )
 
     def require_motion(self, ground: ConstraintGeometry, q: np.ndarray) -> None:
         """Refuse a start where coordinates may change though nothing moves, and no chart sees it:
@@ -450,7 +452,7 @@ class _Conditions:
         idle = idle_directions(ground, np.concatenate([q, np.zeros(len(self.dots))]))
         if idle.shape[1] > self.blind.shape[1]:
             seen = np.abs(idle).max(axis=1) > POLE * np.abs(idle).max()
-            names = (name for name, own in zip(self.dots, seen, strict=True) if own)
+            names = (name for name, moves in zip(self.dots, seen, strict=True) if moves)
             raise IntegrationError(
                 f"system '{self.system.name}': the coordinates are singular at the initial point, "
                 f"where {', '.join(names)} may differ though nothing moves, and do not tell what "
@@ -465,9 +467,9 @@ class _Conditions:
             return np.asarray(self.frame[self.own.index(name)])
         if name in self.rates:
             return self.rates[name]
-        found = np.zeros(len(self.dots) + 1)
-        found[self.dots.index(name)] = 1.0
-        return found
+        unit = np.zeros(len(self.dots) + 1)
+        unit[self.dots.index(name)] = 1.0
+        return unit
 
     def is_open(self, *given: Mapping[str, float]) -> bool:
         """Whether the constraints and what is given leave a motion open, as doubles tell."""
@@ -487,17 +489,17 @@ class _Conditions:
         rows = np.vstack([self.conditions, *(self.row(k)[None, :] for k in names)])
         values = [0] * len(self.conditions) + [given.get(k, 0) for k in names]
         right = np.array(values, dtype=object) - rows[:, -1]
-        basis, found = self.blind.T.astype(object), np.zeros(len(self.dots), dtype=object)
+        basis, solution = self.blind.T.astype(object), np.zeros(len(self.dots), dtype=object)
         for row, wanted in zip(rows[:, :-1], right, strict=True):
             new = row - basis.T.dot(basis.dot(row))
             new = new - basis.T.dot(basis.dot(new))  # once more: the first leaves rounding
             size = mpmath.sqrt(new.dot(new))
             if size > ULPS * mpmath.sqrt(row.dot(row)):
-                found = found + new * ((wanted - row.dot(found)) / size**2)
+                solution = solution + new * ((wanted - row.dot(solution)) / size**2)
                 basis = np.vstack([basis, new / size])
         if len(basis) < len(self.dots):
             self._refuse(basis)
-        return found.astype(float)
+        return solution.astype(float)
 
     def _refuse(self, basis: np.ndarray) -> NoReturn:
         """Say what such directions, which alone are known, leave open."""
@@ -543,13 +545,13 @@ class _Conditions:
         wanted = [mpmath.mpf(0)] * len(self.conditions)
         wanted += [given.get(k, mpmath.mpf(0)) for k in names]
         inverse = np.linalg.pinv(rows[:, :-1].astype(float))
-        found = np.array(w, dtype=object)
+        solution = np.array(w, dtype=object)
         for _ in range(ROUNDS):
-            gap = np.array(wanted, dtype=object) - rows[:, -1] - rows[:, :-1].dot(found)
-            if max(map(abs, gap), default=0) <= mpmath.eps * 8 * (1 + max(map(abs, found))):
+            gap = np.array(wanted, dtype=object) - rows[:, -1] - rows[:, :-1].dot(solution)
+            if max(map(abs, gap), default=0) <= mpmath.eps * 8 * (1 + max(map(abs, solution))):
                 break
-            found = found + inverse.dot(gap)
-        return list(found)
+            solution = solution + inverse.dot(gap)
+        return list(solution)
 
 
 HOLDS = 1e-8
@@ -625,10 +627,10 @@ class Exactly:
     ) -> np.ndarray:
         """The start with velocities that meet all conditions which it meets in doubles."""
         system = self.namespace.equations.system
-        own = [plain_name(x) for x in system.velocities]
+        velocities = [plain_name(x) for x in system.velocities]
         names = self.namespace.rate_names
         _, rates = compiled_digits(self.program)
-        asked = not {*conditions} <= {*own}  # at poles of angles their rates are infinite
+        asked = not {*conditions} <= {*velocities}  # at poles of angles their rates are infinite
 
         def residuals(state: np.ndarray) -> list[Any]:
             try:
@@ -636,11 +638,11 @@ class Exactly:
             except ZeroDivisionError:
                 raise EngineLimit(
                     f"system '{system.name}': velocities of coordinates do not tell the start to "
-                    f"many digits at a pole of these; give {', '.join(own)}"
+                    f"many digits at a pole of these; give {', '.join(velocities)}"
                 ) from None
-            found = dict(zip(names, slopes, strict=asked))
-            found |= zip(own, state[n:], strict=True)
-            return [found[name] for name in conditions]
+            speeds = dict(zip(names, slopes, strict=asked))
+            speeds |= zip(velocities, state[n:], strict=True)
+            return [speeds[name] for name in conditions]
 
         wanted = list(conditions.values())
         first = residuals(start)

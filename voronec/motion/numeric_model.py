@@ -69,13 +69,13 @@ class ProgrammedModel:
         that the state on the coordinates has."""
         digits = np.asarray(state).dtype == object
         nothing = mpmath.nan if digits else np.nan
-        own = [constants.get(str(p), nothing) for p in self.below.parameters]
+        parameters = [constants.get(str(p), nothing) for p in self.below.parameters]
         _, extras = (compiled_digits if digits else compile_program)(self.below)
         with np.errstate(all="ignore"):
-            found = dict(zip(self.below.names, extras(time, list(state), own), strict=True))
+            named = dict(zip(self.below.names, extras(time, list(state), parameters), strict=True))
         kind = object if digits else float
-        placed = np.array([found[f"start {x}"] for x in self.program.state], dtype=kind)
-        values = {**constants, **{n.removeprefix("frozen "): x for n, x in found.items()}}
+        placed = np.array([named[f"start {x}"] for x in self.program.state], dtype=kind)
+        values = {**constants, **{n.removeprefix("frozen "): x for n, x in named.items()}}
         return placed, [values.get(str(p), nothing) for p in self.program.parameters]
 
     def constants(self, values: Sequence[Any]) -> dict[str, Any]:
@@ -111,8 +111,8 @@ def make_model(
     if models is None:
         return whole(namespace, outputs, functions)
     known = numbers_at(namespace.equations.raw.form, start, constants, time)
-    found = models.of_start(known)
-    model, name = found.model, f"{found.name} {[*wanted.names]} {[*functions]}"
+    choice = models.of_start(known)
+    model, name = choice.model, f"{choice.name} {[*wanted.names]} {[*functions]}"
 
     def write() -> ProgrammedModel:
         known_before = name in models.model_cache
@@ -177,8 +177,10 @@ def numbers_at(
     form: Any, state: np.ndarray, constants: Mapping[str, float], time: float
 ) -> dict[Any, float]:
     """Numbers of coordinates, velocities, parameters and the time by their symbols inside."""
-    found = dict(zip(form.coordinates + form.velocities, map(float, state), strict=True))
-    return found | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
+    numbers = dict(zip(form.coordinates + form.velocities, map(float, state), strict=True))
+    return (
+        numbers | {se.Symbol(name): value for name, value in constants.items()} | {form.time: time}
+    )
 
 
 def _watch(namespace: Namespace, wanted: OutputTerms, model: Model) -> ObservedQuantities:
@@ -208,9 +210,9 @@ def _besides(namespace: Namespace, model: Model) -> dict[str, Any]:
     formulation, definition = model.cut, namespace.equations.definition
     known = {name for name, _ in formulation.stages} | set(formulation.parameters)
     zero = {role.variable for role in model.roles if role.kind == "zero"}
-    own = (*definition.coordinates, *definition.velocities)
-    found = {str(x): x for x in own if x in known}
-    return found | {str(x): se.Integer(0) for x in own if str(x) in zero}
+    variables = (*definition.coordinates, *definition.velocities)
+    expressions = {str(x): x for x in variables if x in known}
+    return expressions | {str(x): se.Integer(0) for x in variables if str(x) in zero}
 
 
 def whole(

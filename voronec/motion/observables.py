@@ -256,8 +256,8 @@ def evaluate_watch(
         with mpmath.workprec(GENERIC), np.errstate(invalid="ignore"):  # constants without value
             there = exactly(states[lost]), list(exactly(np.asarray(values, dtype=float)))
             more = evaluate_extras(program, t[lost], *there)
-            found, _ = _multipliers(watch.multipliers, program, t[lost], *there, more)
-        exact = found.astype(float)
+            precise, _ = _multipliers(watch.multipliers, program, t[lost], *there, more)
+        exact = precise.astype(float)
         multipliers[lost] = np.where(np.isfinite(exact), exact, multipliers[lost])
     plain = {name: x for name, x in series.items() if name not in watch.multipliers.entries}
     return plain | {name: multipliers[:, k].copy() for name, k in watch.reactions.items()}

@@ -134,9 +134,9 @@ def _follow(
         if run.ends:
             paths = _as_polynomials(time, run, plane)
             after = max(after, motions.time + START_SHARE * float(paths.lengths[0, 0]))
-            found = zeros(paths, passages.direction)
-            passages.keep(i, found, 0, after)
-            seen = found.low[0], found.high[0], found.fastest[0]
+            crossings = zeros(paths, passages.direction)
+            passages.keep(i, crossings, 0, after)
+            seen = crossings.low[0], crossings.high[0], crossings.fastest[0]
             passages.note_range(i, run.ends[-1], len(run.ends), seen)
             some = slice(None, None, max(1, stretch // WHOLE))
             passages.enter_samples(i, [part.pick(some) for part in run.samples])

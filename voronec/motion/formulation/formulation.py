@@ -87,16 +87,16 @@ def _recovered_angles(motions: Motions, wanted: Mapping[str, Any]) -> dict[str, 
         return {}
     known = [(se.Symbol(name), bridge.inward(g)) for name, g in motions.system.invariants.items()]
     angles = [q for q in d.coordinates if any(se.has_symbol(g, q) for _, g in known)]
-    found: dict[Any, AngleOutput] = {}
+    recovered: dict[Any, AngleOutput] = {}
     while True:
-        fresh = _next(known, [q for q in angles if q not in found])
+        fresh = _next(known, [q for q in angles if q not in recovered])
         if fresh is None:
             break
         angle, modulus, meaning = fresh
-        found[angle.coordinate] = angle
+        recovered[angle.coordinate] = angle
         if modulus is not None:
             known.append((modulus, meaning))
-    return {name: found[q] for q, name in names.items() if q in found}
+    return {name: recovered[q] for q, name in names.items() if q in recovered}
 
 
 def _next(
@@ -248,13 +248,13 @@ def _plainest(flow: VectorField, expr: Any) -> Any:
 
 
 def _readable(flow: VectorField, exprs: Mapping[str, sp.Expr]) -> dict[str, Any]:
-    found = {}
+    readable = {}
     for name, expr in exprs.items():
         try:
-            found[name] = flow.read(expr)
+            readable[name] = flow.read(expr)
         except VoronecError:
             continue
-    return found
+    return readable
 
 
 def invariants_formulation(
@@ -307,17 +307,17 @@ def _claims(
     motions: Motions, flow: VectorField, integrals: Mapping[str, sp.Expr], kept: Sequence[Any]
 ) -> dict[str, Any]:
     """The integrals that are functions of the invariants, the velocities and what is kept."""
-    found = _readable(flow, integrals)
-    others = {name: e for name, e in integrals.items() if name not in found}
+    readable = _readable(flow, integrals)
+    others = {name: e for name, e in integrals.items() if name not in readable}
     if not others:
-        return found
+        return readable
     low = _readable(motions.on_coordinates, others)
     try:
         rewritten = in_invariants(motions.equations, list(low.values()), kept)
     except EngineLimit:
-        return found
+        return readable
     named = zip(low, rewritten, strict=True)
-    return found | {name: e for name, e in named if e is not None}
+    return readable | {name: e for name, e in named if e is not None}
 
 
 def _express_outputs(
@@ -332,12 +332,16 @@ def _express_outputs(
     kept: list[Any] = []
     while True:
         targets = [*todo.values(), *(rate[q] for q in kept)]
-        found = in_invariants(motions.equations, targets, kept)
-        missing = [t for t, f in zip(targets, found, strict=True) if f is None]
+        expressions = in_invariants(motions.equations, targets, kept)
+        missing = [t for t, f in zip(targets, expressions, strict=True) if f is None]
         if not missing:
             count, ideal = len(todo), motions.on_invariants.relations
-            found = [with_positive_denominators(e, ideal) for e in found]
-            return dict(zip(todo, found[:count], strict=True)), tuple(kept), found[count:]
+            expressions = [with_positive_denominators(e, ideal) for e in expressions]
+            return (
+                dict(zip(todo, expressions[:count], strict=True)),
+                tuple(kept),
+                expressions[count:],
+            )
         needed = set().union(*(t.free_symbols for t in missing)) - set(kept)
         fresh = [q for q in low.positions if q in needed]
         if not fresh:
@@ -353,28 +357,28 @@ def blocks(formulation: Formulation) -> list[list[int]]:
     """Positions of velocities that the mass matrix couples, block by block."""
     mass, left = formulation.mass, [*range(len(formulation.velocities))]
     coupled = {i: [j for j in left if mass[i][j] != 0 or mass[j][i] != 0] for i in left}
-    found = []
+    groups = []
     while left:
         block = closure(coupled, left[:1])
-        found.append(sorted(block))
+        groups.append(sorted(block))
         left = [i for i in left if i not in block]
-    return found
+    return groups
 
 
 def dependence(formulation: Formulation) -> Sources:
     """What the rate of each variable of a formulation holds."""
-    found = {
+    graph = {
         q: tuple(holds(formulation, [rate]))
         for q, rate in zip(formulation.positions, formulation.rates, strict=True)
     }
     for block in blocks(formulation):
         inside = [formulation.mass[i][j] for i in block for j in block]
         inside += [formulation.force[i] for i in block]
-        own = [formulation.velocities[i] for i in block]
-        shared = own if len(own) > 1 else []
+        velocities = [formulation.velocities[i] for i in block]
+        shared = velocities if len(velocities) > 1 else []
         sources = tuple(dict.fromkeys([*holds(formulation, inside), *shared]))
-        found |= dict.fromkeys(own, sources)
-    return found
+        graph |= dict.fromkeys(velocities, sources)
+    return graph
 
 
 def holds(formulation: Formulation, exprs: Iterable[Any]) -> list[Any]:
@@ -408,14 +412,14 @@ def cyclic(sources: Sources, kept: Sequence[Any]) -> set[Any]:
 
 def closure(sources: Mapping[Any, Sequence[Any]], roots: Iterable[Any]) -> set[Any]:
     """The roots, and all on which they depend."""
-    found: set[Any] = set()
+    reached: set[Any] = set()
     stack = [*roots]
     while stack:
         x = stack.pop()
-        if x not in found:
-            found.add(x)
+        if x not in reached:
+            reached.add(x)
             stack += sources[x]
-    return found
+    return reached
 
 
 def restrict(formulation: Formulation, kept: Iterable[Any]) -> Formulation:
@@ -451,9 +455,9 @@ def keep_relations(formulation: Formulation) -> Formulation:
     a root h^2 = f(x) has the rate that f gives it.
     """
     rates = dict(zip(formulation.positions, formulation.rates, strict=True))
-    own = {*formulation.positions, *formulation.parameters}
+    symbols = {*formulation.positions, *formulation.parameters}
     relations = (
-        [r for r in formulation.relations if r.free_symbols <= own] if formulation.exact else []
+        [r for r in formulation.relations if r.free_symbols <= symbols] if formulation.exact else []
     )
     try:
         for mend in (_on_sphere, _of_root):
@@ -476,11 +480,11 @@ def _on_sphere(formulation: Formulation, relation: Any, rates: Mapping[Any, Any]
     pairs = list(combinations(held, 2))
     turning = [x * rates[y] - y * rates[x] for x, y in pairs]
     turns = shortest(turning, formulation.relations)
-    found = dict.fromkeys(held, se.Integer(0))
+    tangent = dict.fromkeys(held, se.Integer(0))
     for (x, y), turn in zip(pairs, turns, strict=True):
-        found[x] -= y * turn / size
-        found[y] += x * turn / size
-    return {x: with_positive_denominators(e, formulation.relations) for x, e in found.items()}
+        tangent[x] -= y * turn / size
+        tangent[y] += x * turn / size
+    return {x: with_positive_denominators(e, formulation.relations) for x, e in tangent.items()}
 
 
 def _of_root(formulation: Formulation, relation: Any, rates: Mapping[Any, Any]) -> dict[Any, Any]:
@@ -502,8 +506,8 @@ def _is_definite(formulation: Formulation, square: Any) -> bool:
     free = [t for t in summands(square) if not t.free_symbols & set(formulation.positions)]
     for relation in map(se.expand, formulation.relations):
         if _constant(relation) != 0:
-            found = se.expand(square - se.Add(*free) / _constant(relation) * relation)
-            if relation.free_symbols <= found.free_symbols and _is_positive(found):
+            reduced = se.expand(square - se.Add(*free) / _constant(relation) * relation)
+            if relation.free_symbols <= reduced.free_symbols and _is_positive(reduced):
                 return True
     return False
 
@@ -546,12 +550,12 @@ def _as_squares(divisor: Any, relations: Sequence[Any]) -> tuple[int, Any | None
     poly = se.expand(divisor)
     size = _constant(poly)
     for relation in relations:
-        found = se.expand(poly - size / _constant(relation) * relation)
+        reduced = se.expand(poly - size / _constant(relation) * relation)
         # a sum of all the squares never vanishes: then nothing cancels as it is
-        vanishes = found.free_symbols < relation.free_symbols
-        for sign in (1, -1) if size != 0 and found != 0 and vanishes else ():
-            if _is_positive(se.expand(sign * found)):
-                return sign, se.expand(sign * found)
+        vanishes = reduced.free_symbols < relation.free_symbols
+        for sign in (1, -1) if size != 0 and reduced != 0 and vanishes else ():
+            if _is_positive(se.expand(sign * reduced)):
+                return sign, se.expand(sign * reduced)
     return 1, None
 
 

@@ -75,8 +75,8 @@ class ModelCache:
             if packed is None:
                 return made
             self._packed[name] = packed
-        found: T = self.value_of(name)
-        return found
+        kept: T = self.value_of(name)
+        return kept
 
     def value_of(self, name: str) -> Any:
         """The value of a name that is kept."""

@@ -93,8 +93,8 @@ class _Particular:
         function = _function(tuple(self.values), exprs)
         if function is None:
             return [inf] * len(exprs) if len(exprs) == 1 else [self.numbers((e,))[0] for e in exprs]
-        found = function([*self.values.values(), 0.0])
-        return [x if isfinite(x) else inf for x in found.tolist()]
+        array = function([*self.values.values(), 0.0])
+        return [x if isfinite(x) else inf for x in array.tolist()]
 
     def is_steep(self, slope: Any, others: tuple[Any, ...]) -> bool:
         """Whether an integral with this slope gives its variable well, beside its other slopes."""
@@ -174,8 +174,8 @@ class SmallestModels:
             model_cache = ModelCache(motions.system, [key, d.near])
             formulations = partial(_formulations, motions, wanted, integrals, thorough, followed)
             kept[key] = cls(model_cache, motions, formulations)
-        found: SmallestModels = kept[key]
-        return found
+        models: SmallestModels = kept[key]
+        return models
 
     @property
     def _next_name(self) -> str:
@@ -188,18 +188,18 @@ class SmallestModels:
             _cut_down(self._motions, formulation, formulation, None)
             for formulation in self._formulations
         )
-        found = self.model_cache.once("general", lambda: _cheapest([*formulations]))
+        model = self.model_cache.once("general", lambda: _cheapest([*formulations]))
         self.model_cache.keep()
-        return found
+        return model
 
     @cached_property
     def without_integrals(self) -> Model:
         """The model that holds for all starts, in which no integral stands in for an equation: its
         variables are those of the phase space."""
         whole = (_cut_down(self._motions, e, e, None, False) for e in self._formulations)
-        found = self.model_cache.once("without integrals", lambda: _cheapest([*whole]))
+        model = self.model_cache.once("without integrals", lambda: _cheapest([*whole]))
         self.model_cache.keep()
-        return found
+        return model
 
     def of_start(self, start: Mapping[Any, float]) -> ModelSearch:
         """The model of a start; starts of which nothing else is known than of another have its."""
@@ -215,9 +215,9 @@ class SmallestModels:
         if len(self._findings) >= MODELS:
             self._findings.clear()
             self.model_cache.forget("model")
-        found = self.model_cache.once(self._next_name, lambda: self._find(zeros, values))
-        self._findings.append(found)
-        return found
+        search = self.model_cache.once(self._next_name, lambda: self._find(zeros, values))
+        self._findings.append(search)
+        return search
 
     def _find(
         self, zeros: tuple[frozenset[Any], ...], values: Sequence[Mapping[Any, float]]
@@ -384,9 +384,9 @@ def _note_cycles(formulation: Formulation, note: Note) -> None:
 
 def _at_start(formulation: Formulation, start: Mapping[Any, float]) -> dict[Any, float]:
     """Numbers of the formulation's own variables, of the parameters and the time."""
-    own = {x: meaning for x, meaning in formulation.start.items() if x != meaning}
-    values = _Particular(start).numbers(tuple(own.values())) if own else ()
-    return {**start, **dict(zip(own, values, strict=True))}
+    meanings = {x: meaning for x, meaning in formulation.start.items() if x != meaning}
+    values = _Particular(start).numbers(tuple(meanings.values())) if meanings else ()
+    return {**start, **dict(zip(meanings, values, strict=True))}
 
 
 def _close(formulation: Formulation, note: Note, why: str) -> Formulation:

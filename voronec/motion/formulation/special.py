@@ -36,15 +36,15 @@ Steep = Callable[[Any, tuple[Any, ...]], bool]
 def without_parameters(formulation: Formulation, zero: Mapping[Any, Any]) -> list[Formulation]:
     """The formulation with parameters that are zero taken out, as it then stands and in normal
     forms; as it is where that makes no sense."""
-    found = formulation.substitute(zero)
-    if not _finite(found):
+    reduced = formulation.substitute(zero)
+    if not _finite(reduced):
         return [formulation]
     plain = replace(
-        found,
-        rates=tuple(with_positive_denominators(e, formulation.relations) for e in found.rates),
+        reduced,
+        rates=tuple(with_positive_denominators(e, formulation.relations) for e in reduced.rates),
     )
-    tidied = _tidy(found)
-    return [plain] if tidied is found else [plain, tidied]
+    tidied = _tidy(reduced)
+    return [plain] if tidied is reduced else [plain, tidied]
 
 
 def at_zero(formulation: Formulation, zeros: Collection[Any]) -> list[Any]:
@@ -123,10 +123,10 @@ def vanish(exprs: list[Any], formulation: Formulation) -> bool:
 def constants(formulation: Formulation) -> list[Any]:
     """Variables whose rates vanish identically."""
     alone = [block[0] for block in blocks(formulation) if len(block) == 1]
-    found = [
+    fixed = [
         q for q, rate in zip(formulation.positions, formulation.rates, strict=True) if rate == 0
     ]
-    return found + [formulation.velocities[i] for i in alone if formulation.force[i] == 0]
+    return fixed + [formulation.velocities[i] for i in alone if formulation.force[i] == 0]
 
 
 def level_of(integral: str) -> Any:

@@ -121,7 +121,7 @@ def _split(
         return None
     moving = [i for i, g in enumerate(ring.meaning) if g.free_symbols & set(formulation.positions)]
     columns = [_terms(e.num, moving) for e in elements[len(changes) :]]
-    found: list[tuple[dict[tuple[int, int], Any], Any]] = []
+    splits: list[tuple[dict[tuple[int, int], Any], Any]] = []
     for element, change in zip(elements, changes, strict=False):
         if element.den:
             return None
@@ -130,8 +130,8 @@ def _split(
             return None
         chosen = {pair: a for pair, a in zip(pairs, numbers, strict=True) if a != 0}
         rest = change - se.Add(*[a * products[pairs.index(jk)] for jk, a in chosen.items()])
-        found.append((chosen, canonical_for_numbers([rest], formulation.form)[0]))
-    return found
+        splits.append((chosen, canonical_for_numbers([rest], formulation.form)[0]))
+    return splits
 
 
 def _terms(poly: Any, moving: Sequence[int]) -> dict[Any, Any]:
@@ -176,8 +176,8 @@ def relative_formulation(formulation: Formulation) -> Formulation | None:
     ):
         return None
     try:
-        found = _relative_angles(formulation)
-        return None if found is None else _rewrite_formulation(formulation, *found)
+        change = _relative_angles(formulation)
+        return None if change is None else _rewrite_formulation(formulation, *change)
     except EngineLimit:
         return None
 
@@ -186,9 +186,9 @@ def _hints(formulation: Formulation) -> bool:
     """Whether a normal form holds the sine or the cosine of several angles at once: only then are
     others looked at."""
     exprs = [*formulation.force, *(e for row in formulation.mass for e in row)]
-    own = {*formulation.positions}
+    positions = {*formulation.positions}
     turned = (node.args[0] for node in atoms(exprs, se.sin, se.cos))
-    return any(len(argument.free_symbols & own) > 1 for argument in turned)
+    return any(len(argument.free_symbols & positions) > 1 for argument in turned)
 
 
 def _relative_angles(formulation: Formulation) -> tuple[dict[Any, Any], dict[Any, Any]] | None:
@@ -245,8 +245,8 @@ def _linear_forms(exprs: Iterable[Any], among: Sequence[Any]) -> tuple[list[Any]
             break
         angles = [q for q in angles if q not in mixed]
     forms = Counter[_Form]()
-    for argument, found in terms.items():
-        form = tuple(int(found.get(q, 0)) for q in angles)
+    for argument, multiples in terms.items():
+        form = tuple(int(multiples.get(q, 0)) for q in angles)
         sign = next(x for x in form if x) // abs(next(x for x in form if x))
         forms[tuple(sign * x for x in form)] += arguments[argument]
     return angles, forms
@@ -259,11 +259,11 @@ def _whole(terms: Mapping[Any, Any], angles: Sequence[Any]) -> bool:
 
 def _independent(forms: Iterable[_Form]) -> list[_Form]:
     """As many of the forms as are independent, the first ones first."""
-    found: list[_Form] = []
+    independent: list[_Form] = []
     for form in forms:
-        if flint.fmpz_mat([list(f) for f in (*found, form)]).rank() > len(found):
-            found.append(form)
-    return found
+        if flint.fmpz_mat([list(f) for f in (*independent, form)]).rank() > len(independent):
+            independent.append(form)
+    return independent
 
 
 def _rewrite_formulation(

@@ -46,23 +46,23 @@ def boxes(model: Model) -> tuple[dict[str, ModelBox], set[tuple[str, str]]]:
     members: dict[str, list[str]] = {}
     for x, k in key.items():
         members.setdefault(k, []).append(x)
-    found = {k: _box(k, names, kinds, model) for k, names in members.items()}
-    return found, {(a, b) for a, b in pairs if a != b}
+    nodes = {k: _box(k, names, kinds, model) for k, names in members.items()}
+    return nodes, {(a, b) for a, b in pairs if a != b}
 
 
 def _arrows(model: Model, kinds: Mapping[str, str]) -> set[tuple[str, str]]:
     """Which variable stands in the rate, or in the formula, of which other one."""
     kept = {str(x) for x in model.states}
-    found = _edges(model.cut)
+    arrows = _edges(model.cut)
     for x, y in _edges(model.full):
         to_dropped = kinds.get(y) == "dropped" and kinds.get(x) != "zero"
         by_given = kinds.get(x) in ("constant", "integral") and y in kept
         if to_dropped or by_given:
-            found.add((x, y))
+            arrows.add((x, y))
     for name, formula in model.cut.stages:
         if kinds.get(str(name)) == "integral":
-            found |= {(str(s), str(name)) for s in formula.free_symbols if str(s) in kinds}
-    return {(a, b) for a, b in found if a != b}
+            arrows |= {(str(s), str(name)) for s in formula.free_symbols if str(s) in kinds}
+    return {(a, b) for a, b in arrows if a != b}
 
 
 def _edges(formulation: Formulation) -> set[tuple[str, str]]:
@@ -85,14 +85,14 @@ def _cycles(kinds: Mapping[str, str], arrows: Iterable[tuple[str, str]]) -> dict
 
 def _output_sources(model: Model) -> dict[str, set[str]]:
     """What each output is computed from."""
-    own = model.cut
-    stages = {str(name): formula for name, formula in own.stages}
+    cut = model.cut
+    stages = {str(name): formula for name, formula in cut.stages}
     kinds = {role.variable: role.kind for role in model.roles}
     held: dict[str, set[str]] = {
-        name: {str(s) for s in e.free_symbols} for name, e in own.outputs.items()
+        name: {str(s) for s in e.free_symbols} for name, e in cut.outputs.items()
     }
-    held |= {name: {str(s) for s in angle.symbols} for name, angle in own.angles.items()}
-    found = {}
+    held |= {name: {str(s) for s in angle.symbols} for name, angle in cut.angles.items()}
+    sources = {}
     for name, symbols in held.items():
         seen: set[str] = set()
         stack = list(symbols)
@@ -104,8 +104,8 @@ def _output_sources(model: Model) -> dict[str, set[str]]:
                     stack.extend(map(str, stages[s].free_symbols))
         kept = {s for s in seen if s in kinds and kinds[s] not in ("dropped", "replaced")}
         # what is zero is not there any more, unless it is wanted itself
-        found[name] = kept or ({name} if kinds.get(name) == "zero" else set())
-    return found
+        sources[name] = kept or ({name} if kinds.get(name) == "zero" else set())
+    return sources
 
 
 def _alike(
@@ -193,19 +193,19 @@ def model_figure(model: Model) -> Any:
     """A matplotlib figure of what a model keeps, what follows, and what is dropped."""
     import networkx as nx
 
-    found, edges = boxes(model)
+    nodes, edges = boxes(model)
     graph = nx.DiGraph()
-    graph.add_nodes_from(found)
+    graph.add_nodes_from(nodes)
     graph.add_edges_from(edges)
     layout = layered_layout(graph)
-    places, bends, (width, height) = _places(layout, found)
+    places, bends, (width, height) = _places(layout, nodes)
     with figure_in_style(width, height, layout=None) as figure:
         axes = figure.add_axes((0, 0, 1, 1))
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
         for pair in sorted(edges):
-            _arrow(axes, found, places, pair, bends.get(pair, ()))
-        for key, box in found.items():
+            _arrow(axes, nodes, places, pair, bends.get(pair, ()))
+        for key, box in nodes.items():
             _draw(axes, box, places[key])
     return figure
 

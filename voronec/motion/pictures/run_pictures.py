@@ -36,13 +36,13 @@ def pictures(trajectory: MotionRecord) -> dict[str, Any]:
     """
 
     system = trajectory.system
-    found = {"plot": plot_trajectory(trajectory, title=system.title or system.name)}
+    figures = {"plot": plot_trajectory(trajectory, title=system.title or system.name)}
     if {"x", "y"} <= set(trajectory.outputs):
-        found["path"] = _path(trajectory)
+        figures["path"] = _path(trajectory)
     if system.drawing is not None:
         with suppress(_AbsentData):
-            found["drawing"] = drawing(trajectory)
-    return found
+            figures["drawing"] = drawing(trajectory)
+    return figures
 
 
 class _AbsentData(DefinitionError):
@@ -56,15 +56,15 @@ def drawing(trajectory: MotionRecord) -> Any:
     longitude) for traces on spheres, of which those are drawn that the trajectory holds.
     ``DefinitionError`` where it fails.
     """
-    own = trajectory.system.drawing
-    if isinstance(own, Mapping):
-        return _spheres(trajectory, own)
+    recipe = trajectory.system.drawing
+    if isinstance(recipe, Mapping):
+        return _spheres(trajectory, recipe)
     try:
-        return own(trajectory)
+        return recipe(trajectory)
     except DefinitionError as error:
         raise _AbsentData(str(error)) from error
     except Exception as error:
-        what = failure(error, getattr(getattr(own, "__code__", None), "co_filename", "?"))
+        what = failure(error, getattr(getattr(recipe, "__code__", None), "co_filename", "?"))
         name = trajectory.system.name
         raise DefinitionError(f"the drawing of system '{name}' failed: {what}") from error
 
@@ -75,17 +75,17 @@ def _spheres(trajectory: MotionRecord, titled: Mapping[str, Any]) -> Any:
     from voronec.closed.pictures.sphere_picture import SphereTrace, traces_figure
 
     elapsed = np.abs(np.asarray(trajectory.t, float) - float(trajectory.t[0]))
-    found, missing = [], None
+    traces, missing = [], None
     for title, (u, v) in titled.items():
         try:
             held = trajectory[u], trajectory[v]
         except DefinitionError as error:
             missing = error
             continue
-        found.append(SphereTrace(*held, elapsed, title=title, axis=""))
-    if missing is not None and not found:
+        traces.append(SphereTrace(*held, elapsed, title=title, axis=""))
+    if missing is not None and not traces:
         raise _AbsentData(str(missing)) from missing
-    return traces_figure(found)
+    return traces_figure(traces)
 
 
 def save(figure: Any, target: Path | BinaryIO, suffix: str = "") -> None:

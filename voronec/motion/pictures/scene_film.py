@@ -66,8 +66,8 @@ class ShapesInMotion:
         pushed = [[np.nan] * len(program.inputs)] if program.inputs else []  # no shape needs them
         with np.errstate(all="ignore"):
             extras = compile_program(program)[1]
-            found = extras(t, states, self.numbers, *pushed)[: POSE * len(shapes)]
-        poses = np.stack([np.broadcast_to(x, t.shape) for x in found], axis=-1).astype(float)
+            columns = extras(t, states, self.numbers, *pushed)[: POSE * len(shapes)]
+        poses = np.stack([np.broadcast_to(x, t.shape) for x in columns], axis=-1).astype(float)
         if not np.isfinite(poses).all():
             raise DefinitionError(
                 f"system '{record.system.name}': the places of its shapes need coordinates that "
@@ -132,11 +132,11 @@ class ShapesInMotion:
         return whole
 
     def _patches(self) -> list[list[tuple[int, Any]]]:
-        number, found = 0, []
+        number, patches = 0, []
         for shape in self.trajectory.system.shapes:
-            found.append([*enumerate(shape.patches, number)])
+            patches.append([*enumerate(shape.patches, number)])
             number += len(shape.patches)
-        return found
+        return patches
 
     @cached_property
     def _points(self) -> Callable[..., Any]:
@@ -179,9 +179,9 @@ class ShapesInMotion:
         """Middle and half width of a square that shows the bodies; a small one is followed."""
         low, high = self.reach
         largest, half = max(self.sizes), float(np.linalg.norm(high - low)) / 2
-        own = self.sizes[self.body]
-        if own and half > FAR_PATH * own and largest == own:
-            return self.axes[:2] @ self.poses[now, self.body, :3], 5 * own
+        size = self.sizes[self.body]
+        if size and half > FAR_PATH * size and largest == size:
+            return self.axes[:2] @ self.poses[now, self.body, :3], 5 * size
         return self.axes[:2] @ (low + high) / 2, half + 1.1 * largest
 
     def draw(self, panel: Any, now: int) -> None:
@@ -205,11 +205,13 @@ class ShapesInMotion:
                 colours.append(np.tile(_rgba(colour), (len(flat), 1)))
                 depths.append(near + above)
         order = np.argsort(np.concatenate(depths), kind="stable")
-        found = [np.concatenate(each)[order] for each in (polygons, colours)]
+        ordered = [np.concatenate(each)[order] for each in (polygons, colours)]
         panel.clear()
         panel.set_axis_off()
         panel.add_collection(
-            PolyCollection([*found[0]], facecolors=found[1], edgecolors=found[1], linewidths=0.3)
+            PolyCollection(
+                [*ordered[0]], facecolors=ordered[1], edgecolors=ordered[1], linewidths=0.3
+            )
         )
         (x, y), t = middle, float(self.trajectory.t[now])
         panel.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
@@ -221,8 +223,10 @@ class ShapesInMotion:
         if self.trajectory.system.shapes[i].contact is None or not now:
             return []
         past, pose = self.poses[: now + 1, i], self.poses[now, i]
-        own = np.einsum("kji,kj->ki", past[:, 3:12].reshape(-1, 3, 3), past[:, 12:] - past[:, :3])
-        on_body = own @ pose[3:12].reshape(3, 3).T + pose[:3]
+        contacts = np.einsum(
+            "kji,kj->ki", past[:, 3:12].reshape(-1, 3, 3), past[:, 12:] - past[:, :3]
+        )
+        on_body = contacts @ pose[3:12].reshape(3, 3).T + pose[:3]
         grounds = zip(self.trajectory.system.shapes, self.grains, strict=True)
         under = max((grain for shape, grain in grounds if shape.role == "ground"), default=0.0)
         return [(on_body, INK, self.grains[i]), (past[:, 12:], MARK, under)]
@@ -245,9 +249,9 @@ def _surface_colours(
     normal = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
     size = np.linalg.norm(normal, axis=1)
     light = np.abs(normal @ np.array([-0.35, 0.5, 0.79])) / np.where(size > 0, size, 1.0)
-    found = np.stack([_rgba(colours[k], alpha) for k in (0, 1)])[tones]
-    found[:, :3] *= (0.62 + 0.38 * light)[:, None]
-    return found
+    shades = np.stack([_rgba(colours[k], alpha) for k in (0, 1)])[tones]
+    shades[:, :3] *= (0.62 + 0.38 * light)[:, None]
+    return shades
 
 
 def _ribbon(line: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
@@ -288,8 +292,8 @@ def film(
     from matplotlib import rc_context
 
     writer, dated = _writer(target, rate), {"Date": None} if target.suffix == ".svg" else None
-    own = {"svg.hashsalt": "voronec", "animation.ffmpeg_path": ffmpeg_program()}
-    with rc_context(STYLE | own):
+    settings = {"svg.hashsalt": "voronec", "animation.ffmpeg_path": ffmpeg_program()}
+    with rc_context(STYLE | settings):
         figure, panel = _stage(shown.trajectory.system)
         chosen = np.unique(np.linspace(0, len(shown.trajectory.t) - 1, frames).astype(int))
         written = [target] if writer else []
@@ -339,13 +343,13 @@ def _writer(target: Path, rate: int) -> Any:
 def ffmpeg_program() -> str:
     """Where the program ffmpeg is: the machine's, else that of the package imageio-ffmpeg; empty
     where there is neither."""
-    found = which("ffmpeg")
-    if found is None:
+    program = which("ffmpeg")
+    if program is None:
         try:
-            found = import_module("imageio_ffmpeg").get_ffmpeg_exe()
+            program = import_module("imageio_ffmpeg").get_ffmpeg_exe()
         except (ImportError, RuntimeError):  # the package is not there, or has no program here
             return ""
-    return str(found)
+    return str(program)
 
 
 def _stage(system: System) -> tuple[Any, Any]:

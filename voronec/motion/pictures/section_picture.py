@@ -57,9 +57,9 @@ def plot_levels(
     shape = {"squeeze": False, "sharex": True, "sharey": True}
     with figure_in_style(1.4 + 4.2 * len(sections), 4.4) as figure:
         panels = figure.subplots(1, len(sections), **shape)[0]
-        for panel, section, own in zip(panels, sections, values, strict=True):
+        for panel, section, numbers in zip(panels, sections, values, strict=True):
             x, y, labels = _axes(section)
-            each = np.asarray(own)[section.start]
+            each = np.asarray(numbers)[section.start]
             size = float(np.clip(800.0 / max(len(section), 1) ** 0.5, 1.0, 9.0))
             none, style = ~np.isfinite(each), {"s": size, "linewidths": 0, "rasterized": True}
             for a, b in [(1, 1), *reflections]:

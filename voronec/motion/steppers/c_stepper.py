@@ -102,10 +102,10 @@ def _sources(texts: Sequence[str], program: Program, levels: Program | None) -> 
     tree = ast.parse(stepping_source(n, m))
     functions = [f for f in tree.body if isinstance(f, ast.FunctionDef)]
     body = "\n".join(_Function(f, max(n, m)).text() for f in functions)
-    found = {"drive.c": INLINE + right + EXTREMES + HEAD.format(n=n) + body}
+    files = {"drive.c": INLINE + right + EXTREMES + HEAD.format(n=n) + body}
     if levels is not None:  # its own rates are not wanted
-        found["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
-    return found
+        files["levels.c"] = "#define rhs rates_of_levels\n#define extras levels\n" + texts[1]
+    return files
 
 
 class _Function:

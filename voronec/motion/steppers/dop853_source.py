@@ -131,8 +131,8 @@ def growth(factor, last, rejected):  # type: ignore[no-untyped-def]
     many steps.  Powers that roots give take a tenth of the time of others.
     """
     before = 1 / (0.81 * min(last, 2.8))  # it is known long before the factor is
-    found = 0.887 * sqrt(sqrt(factor * factor * factor * before))
-    return min(found, 1.0 if rejected else 10.0)
+    ratio = 0.887 * sqrt(sqrt(factor * factor * factor * before))
+    return min(ratio, 1.0 if rejected else 10.0)
 
 
 def kernel_source(program: Program, levels: Program | None) -> str:
@@ -217,14 +217,17 @@ def _drive(n: int, m: int) -> str:
 
 def _bends(n: int) -> str:
     """The dense output of a step: three more stages, in loops since few steps need it."""
-    own, extra = f"for i in range({n}):", range(STAGES, len(STAGE_NODES))
+    loop, extra = f"for i in range({n}):", range(STAGES, len(STAGE_NODES))
     used = {j for row in (*WEIGHTS[STAGES:], *BENDS) for j in row if j <= STAGES}
     rows = [_each(f"slopes[#, {j}] = k{j}@", n) for j in sorted(used)]
     for s in extra:
-        rows += [own, f"    z[i] = states[0, i] + h*({_weighted_sum(WEIGHTS[s], 'slopes[i, {}]')})"]
+        rows += [
+            loop,
+            f"    z[i] = states[0, i] + h*({_weighted_sum(WEIGHTS[s], 'slopes[i, {}]')})",
+        ]
         rows.append(_slope("g", f"t + {STAGE_NODES[s]!r}*h", "z[#]", n))
         rows.append(_each(f"slopes[#, {s + 1}] = g@", n))
-    rows += [_each(_CHANGES, n), own]
+    rows += [_each(_CHANGES, n), loop]
     for i, row in enumerate(BENDS):
         rows.append(f"    bend[{3 + i}, i] = h*({_weighted_sum(row, 'slopes[i, {}]')})")
     return "\n".join(rows)
@@ -235,8 +238,8 @@ def _fill_template(template: str, pieces: dict[str, str]) -> str:
     within lines to short ones."""
     rows = []
     for row in template.strip("\n").split("\n"):
-        found = re.fullmatch(r"( *)<(\w+)>", row)
-        rows.append(indent(pieces[found[2]], found[1]) if found else row)
+        slot = re.fullmatch(r"( *)<(\w+)>", row)
+        rows.append(indent(pieces[slot[2]], slot[1]) if slot else row)
     text = "\n".join(rows) + "\n"
     return text.replace("{n}", pieces.get("n", "")).replace("{m}", pieces.get("m", ""))
 

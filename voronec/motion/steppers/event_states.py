@@ -35,15 +35,15 @@ def with_parts(program: Program, block: Block, whole: bool = False) -> Program:
     periodic ones the sine.  The program itself where nothing bends, or nobody differentiates it.
     """
     fresh = {name: se.Symbol(f"line of part {i}") for i, (name, _) in enumerate(block.assignments)}
-    own = tuple((fresh[n], se.sympify(e).xreplace(fresh)) for n, e in block.assignments)
+    renamed = tuple((fresh[n], se.sympify(e).xreplace(fresh)) for n, e in block.assignments)
     results = [se.sympify(e).xreplace(fresh) for e in block.results]
-    bends = _bending_parts(dict(own), results, {program.time, *program.state})
+    bends = _bending_parts(dict(renamed), results, {program.time, *program.state})
     parts = tuple(results if whole else bends)
     given = {program.time, *program.state, *program.parameters}
-    known = given | {name for name, _ in (*program.derivative.assignments, *own)}
+    known = given | {name for name, _ in (*program.derivative.assignments, *renamed)}
     if not parts or any(not e.free_symbols <= known for e in parts):
         return program
-    lines = (*program.derivative.assignments, *own)
+    lines = (*program.derivative.assignments, *renamed)
     try:
         moved = flow_derivative(program, Block(lines, parts))
     except EngineLimit:

@@ -50,15 +50,15 @@ class Feedback:
         place = f"the controller of '{self.name}' at t = {instant:.12g}"
         try:
             given = self.function(instant, state)
-            found = np.asarray(given, dtype=float)
+            number = np.asarray(given, dtype=float)
         except Exception as error:  # whatever a user's function raises is told as his
             raise ControllerFailure(f"{place} raises {type(error).__name__}: {error}") from error
-        if found.ndim:
-            shape = " x ".join(map(str, found.shape))
+        if number.ndim:
+            shape = " x ".join(map(str, number.shape))
             raise ControllerFailure(f"{place} returns an array of {shape}, not one number")
-        if not np.isfinite(found):
+        if not np.isfinite(number):
             raise ControllerFailure(f"{place} returns {given}, which is not finite")
-        return float(found)
+        return float(number)
 
     def sample(self, instant: float, state: Callable[[], Mapping[str, float]]) -> None:
         """Ask it, where it is due at an instant."""
@@ -73,11 +73,11 @@ class Feedback:
             return np.array(self.values)[np.maximum(places, 0)]
         if self.motion is None:
             return np.full(len(times), np.nan)
-        found = np.full(len(times), np.nan)
+        values = np.full(len(times), np.nan)
         for k, state in enumerate(self.motion(times)):
             with suppress(ControllerFailure):  # the run has told of it, or did not ask there
-                found[k] = self.value(float(times[k]), state)
-        return found
+                values[k] = self.value(float(times[k]), state)
+        return values
 
     def at(self, instant: float) -> float:
         """The value that a sampled one holds at an instant."""

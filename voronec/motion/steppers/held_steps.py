@@ -50,9 +50,9 @@ def held_integrator(
     """The integrator of a problem with sampled controllers."""
 
     def run(grid: np.ndarray) -> Run:
-        own = replace(problem, start=problem.start.copy(), parameters=list(problem.parameters))
-        with leaps(own) as leap, np.errstate(all="ignore"):
-            return march(own, grid, _HeldSteps(own, grid, leap), level_function(own))
+        fresh = replace(problem, start=problem.start.copy(), parameters=list(problem.parameters))
+        with leaps(fresh) as leap, np.errstate(all="ignore"):
+            return march(fresh, grid, _HeldSteps(fresh, grid, leap), level_function(fresh))
 
     return run
 
@@ -98,17 +98,17 @@ class _HeldSteps:
                 if self.is_knot[k]:
                     self.change(stop)
                 given = self.problem.parameters
-                found = self.leap(self.time, self.state, stop, given, k in self.sampled)
+                landing = self.leap(self.time, self.state, stop, given, k in self.sampled)
             except (ControllerFailure, IntegratorFailure) as failure:
                 self.failure = failure
                 break
-            self.time, self.state, self.done = stop, found.state, k + 1
-            steps, self.evaluations = steps + found.steps, self.evaluations + found.evaluations
-            states.append(found.state)
+            self.time, self.state, self.done = stop, landing.state, k + 1
+            steps, self.evaluations = steps + landing.steps, self.evaluations + landing.evaluations
+            states.append(landing.state)
             if self.is_point[k]:
-                rows.append(found.state)
-            if found.samples is not None:
-                samples.append(found.samples)
+                rows.append(landing.state)
+            if landing.samples is not None:
+                samples.append(landing.samples)
         if self.failure is not None and not states:
             raise self.failure
         width = len(self.state)

@@ -120,7 +120,7 @@ def taylor(problem: Problem) -> Integrator:
     """The integrator, compiled; ``EngineLimit`` for a function that heyoka does not know."""
     hy = heyoka()
     pool = _Pool.of(problem, bool((natural_units(problem) != 1).any()), hy)
-    own = [pool.take()]
+    machines = [pool.take()]
     share = min(1.0, WEIGHT / (problem.program.weight or 1.0))
 
     def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
@@ -128,20 +128,20 @@ def taylor(problem: Problem) -> Integrator:
         stall = StallDetector(grid[0], float(grid[-1]), max(int(share * LONG), WINDOW), crawl=0.0)
         try:
             stepper = _TaylorStepper(hy, machine, problem, grid, stall)
-            found = march(problem, grid, stepper, level_function(problem), stall)
+            course = march(problem, grid, stepper, level_function(problem), stall)
         finally:
             pool.at_rest[:] = [machine]
-        return None if stepper.has_outgrown else found
+        return None if stepper.has_outgrown else course
 
     def run(grid: np.ndarray) -> Run:
         # a stepper may run again, from what start and parameters of its problem are then
         nonlocal pool
-        found = drive(pool, own.pop() if own else pool.take(), grid)
-        if found is None:
+        course = drive(pool, machines.pop() if machines else pool.take(), grid)
+        if course is None:
             pool = _Pool.of(problem, True, hy)
-            found = drive(pool, pool.take(), grid)
-        assert found is not None  # only a motion without units outgrows them
-        return found
+            course = drive(pool, pool.take(), grid)
+        assert course is not None  # only a motion without units outgrows them
+        return course
 
     return run
 
@@ -395,9 +395,9 @@ class _TaylorStepper:
             return None
         end, there = ta.dtime, ta.state.copy()
         self.return_to(moment, state)
-        found = self.first_overlong(taken, usual)
-        self.return_to(*((moment, state) if found else (end, there)))
-        return found
+        limit = self.first_overlong(taken, usual)
+        self.return_to(*((moment, state) if limit else (end, there)))
+        return limit
 
     def first_overlong(self, taken: int, usual: float) -> tuple[int, float] | None:
         """The first step that was too long, of so many from where the integrator stands; those that
@@ -428,18 +428,18 @@ class _TaylorStepper:
     def blind(self, moment: tuple[float, float], state: np.ndarray) -> tuple[int, float] | None:
         """The first step that went over a corner, where roots in the equations may have corners so
         little rounded that no series sees it: by the defect at the end of each step."""
-        ta, output, found = self.integrator, self.output, None
+        ta, output, limit = self.integrator, self.output, None
         if output is None or not np.isfinite(ta.state).all():
             return None
         blind = np.flatnonzero(blind_steps(ta, output)).tolist()
         for k in blind:
             allowed = float(blind_reach(ta, self.right_side, output, k)[0])
             if allowed < np.inf:
-                found = k, allowed
+                limit = k, allowed
                 self.size = LEAST
                 self.return_to(moment, state)
                 break
-        return found
+        return limit
 
     def set_pace(self, taken: int, points: int) -> None:
         """How many steps, and points of the grid, the next chunk takes."""

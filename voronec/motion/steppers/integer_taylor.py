@@ -57,8 +57,8 @@ def digits(problem: Problem) -> Integrator:
     def run(grid: np.ndarray) -> Run:
         stepper = DigitsStepper(rules, problem, grid, bits)
         with mpmath.workprec(bits):
-            found = march(problem, grid, stepper, levels)
-            return replace(found, t=np.array([mpmath.mpf(t) for t in found.t], dtype=object))
+            course = march(problem, grid, stepper, levels)
+            return replace(course, t=np.array([mpmath.mpf(t) for t in course.t], dtype=object))
 
     return run
 
@@ -87,9 +87,9 @@ def _alone(
     levels: Program, place: int, time: Any, state: np.ndarray, parameters: Sequence[Any]
 ) -> Any:
     """One function of several, nan where it has no value: the others may have one."""
-    own = levels.only([place])
+    single = levels.only([place])
     try:
-        return compiled_digits(own)[1](time, list(state), list(parameters))[0]
+        return compiled_digits(single)[1](time, list(state), list(parameters))[0]
     except ZeroDivisionError:
         return mpmath.nan
 
@@ -269,8 +269,8 @@ class DigitsStepper:
         last = [radii[k] + depth / k for k in (self.order - 1, self.order) if k in radii]
         # where the last coefficients vanish at once, others tell
         others = min(radii.values(), default=inf) + depth / self.order
-        found = min(last, default=inf)
-        return float(2.0 ** min(found if found <= others + SPARSE else others, 1023.0))
+        radius = min(last, default=inf)
+        return float(2.0 ** min(radius if radius <= others + SPARSE else others, 1023.0))
 
 
 def _share(number: int, share: float) -> int:

@@ -83,13 +83,13 @@ def dop853_leap(
         steps = Loop.of(drive, problem, np.array([time, end]), scales, raised)
         samples = None
         while steps.clock[0] != end:
-            found = steps.advance()
-            assert isinstance(found, Segment)
-            samples = found.samples
-        if not np.isfinite(found.state).all():
+            segment = steps.advance()
+            assert isinstance(segment, Segment)
+            samples = segment.samples
+        if not np.isfinite(segment.state).all():
             raise IntegratorFailure(INFINITE)
         return LeapEnd(
-            found.state, int(steps.counts[1]), steps.evaluations, samples if wanted else None
+            segment.state, int(steps.counts[1]), steps.evaluations, samples if wanted else None
         )
 
     yield leap
@@ -106,10 +106,10 @@ def scales_of(problem: Problem) -> np.ndarray:
 def between(begin: np.ndarray, bend: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Dense output at the parts x (k, 1) of steps, from their starts (k, n) and what they keep
     (7, k, n), or at parts of one, (n,) and (7, n)."""
-    found = np.zeros(())
+    change = np.zeros(())
     for i, part in enumerate(bend[::-1]):
-        found = (found + part) * (x if i % 2 == 0 else 1 - x)
-    return np.asarray(found + begin)
+        change = (change + part) * (x if i % 2 == 0 else 1 - x)
+    return np.asarray(change + begin)
 
 
 AT_NODES = np.stack(

@@ -372,12 +372,12 @@ def in_parts(
     if not len(parts):
         return np.repeat(states[:1], len(times), axis=0)
     which = part_at(ends, order, times)
-    found = np.empty((len(times), states.shape[1]), dtype=states.dtype)
+    rows = np.empty((len(times), states.shape[1]), dtype=states.dtype)
     for i in np.unique(which):
         inside = parts[i]
         assert inside is not None
-        found[which == i] = inside(times[which == i])
-    return found
+        rows[which == i] = inside(times[which == i])
+    return rows
 
 
 def until(crossings: Mapping[str, Any], start: Any, end: Any) -> dict[str, Any]:
@@ -519,14 +519,14 @@ class Signals:
     @property
     def functional(self) -> Signals | None:
         """Those alone that Python has to be asked for; None where there are none."""
-        found = tuple(s for s in self.signals if s.functions)
-        return Signals(found) if found else None
+        asked = tuple(s for s in self.signals if s.functions)
+        return Signals(asked) if asked else None
 
     def knots(self, start: float, end: float) -> list[float]:
         """The instants of change strictly between two others, in the order of a run."""
         known, (low, high) = self._instants, sorted((start, end))
-        found = known[bisect_right(known, low) : bisect_left(known, high)]
-        return found[::-1] if end < start else found
+        instants = known[bisect_right(known, low) : bisect_left(known, high)]
+        return instants[::-1] if end < start else instants
 
     @cached_property
     def _instants(self) -> list[float]:
@@ -539,11 +539,11 @@ class Signals:
 
     def on(self, start: float, end: float) -> dict[str, Any]:
         """The values with which a run from one instant to the next change begins."""
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         ahead = [*self.knots(start, end), end][0]
         for signal in self.signals:
-            found |= signal.at(start) if signal.functions else signal.on_piece(start, ahead)
-        return found
+            values |= signal.at(start) if signal.functions else signal.on_piece(start, ahead)
+        return values
 
     def values_at(self, instant: float) -> dict[str, Any]:
         """The values that Python gives at an instant."""
@@ -552,18 +552,18 @@ class Signals:
 
     def without_rates(self, names: Iterable[str]) -> Signal | None:
         """The first function of Python's among parameters that is given without its rate."""
-        own = {*names}
+        wanted = {*names}
         return next(
-            (s for s in self.signals if s.functions and not s.degree and own & {*s.parameters}),
+            (s for s in self.signals if s.functions and not s.degree and wanted & {*s.parameters}),
             None,
         )
 
     def along(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """The values at instants (k,), an array (k,) for each parameter, exact where they are."""
-        found: dict[str, np.ndarray] = {}
+        values: dict[str, np.ndarray] = {}
         for signal in self.signals:
-            found |= signal.along(np.asarray(times, dtype=float))
-        return found
+            values |= signal.along(np.asarray(times, dtype=float))
+        return values
 
 
 def constants_along(

@@ -87,8 +87,8 @@ class StepSamples:
         for a, b in jumps:
             kept &= (a > high) | (b < low)
         inner = np.minimum(self.times, np.nextafter(high, -np.inf)[:, None])
-        found = StepSamples(inner, self.states, self.rates, self.apart)
-        return found if kept.all() else found.pick(kept)
+        trimmed = StepSamples(inner, self.states, self.rates, self.apart)
+        return trimmed if kept.all() else trimmed.pick(kept)
 
     def pick(self, which: Any) -> StepSamples:
         """Some of them."""

@@ -65,8 +65,8 @@ def field_of(program: Program, values: Sequence[Any], units: np.ndarray) -> Fiel
     def rates(times: np.ndarray, states: np.ndarray) -> np.ndarray:
         right = compile_program(program)[0]  # few runs ask for it
         with np.errstate(all="ignore"):
-            found = right(times, [*np.moveaxis(states * sizes, 1, 0)], values)
-            rows = [np.broadcast_to(np.asarray(r, dtype=float), times.shape) for r in found]
+            slopes = right(times, [*np.moveaxis(states * sizes, 1, 0)], values)
+            rows = [np.broadcast_to(np.asarray(r, dtype=float), times.shape) for r in slopes]
             return np.asarray(np.stack(rows, axis=1) / sizes)
 
     return rates
@@ -210,20 +210,20 @@ def reach_of_series(
 ) -> np.ndarray:  # fmt: skip
     """``reach`` of the steps ``taken`` (k,) from the times ``begin`` (k,), by their Taylor
     coefficients (n, order + 1, k) and by their defect."""
-    found = _lanes_reach(coefficients, taken, tol)
+    lengths = _lanes_reach(coefficients, taken, tol)
     series = _Series(field, coefficients, taken, begin, parts, tol)
-    return np.minimum(found, series.reach())
+    return np.minimum(lengths, series.reach())
 
 
 def blind_lanes(integrator: Any, field: Field, output: Any) -> np.ndarray:
     """Which lanes (width,) of a batch integrator took a step in ``output`` whose series did not
     know what was to come."""
     blind = blind_steps(integrator, output)
-    found = np.zeros(blind.shape[1], dtype=bool)
+    lanes = np.zeros(blind.shape[1], dtype=bool)
     for k in np.flatnonzero(blind.any(axis=1)).tolist():
-        if (blind[k] & ~found).any():
-            found |= blind[k] & (blind_reach(integrator, field, output, k) < np.inf)
-    return found
+        if (blind[k] & ~lanes).any():
+            lanes |= blind[k] & (blind_reach(integrator, field, output, k) < np.inf)
+    return lanes
 
 
 def uneven_steps(
@@ -262,13 +262,13 @@ class LongSteps:
     def reach(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
         """The lengths (k,) up to which steps may be trusted that are made too long, else infinite;
         ``field`` is that of some motions.  Those longer than the usual are looked at in parts."""
-        found, far = np.full(len(self.which), np.inf), np.abs(self.taken) > self.usual
-        for parts, own in ((1, ~far), (PARTS, far)):
-            if own.any():
-                right, rows = field(self.which[own]), self.coefficients[:, :, own]
-                taken, begin = self.taken[own], self.begin[own]
-                found[own] = reach_of_series(right, rows, taken, begin, parts, tol)
-        return found
+        lengths, far = np.full(len(self.which), np.inf), np.abs(self.taken) > self.usual
+        for parts, chosen in ((1, ~far), (PARTS, far)):
+            if chosen.any():
+                right, rows = field(self.which[chosen]), self.coefficients[:, :, chosen]
+                taken, begin = self.taken[chosen], self.begin[chosen]
+                lengths[chosen] = reach_of_series(right, rows, taken, begin, parts, tol)
+        return lengths
 
     def overlong(self, field: Callable[[np.ndarray], Field], tol: float) -> np.ndarray:
         """The motions that took a step which is made too long."""
@@ -282,16 +282,22 @@ def long_steps(
     """Of the steps of motions ``which`` (width,) from where a batch integrator stands to the times
     ``ends`` (width,), ``most`` of them, none longer than ``limits`` (width,), those that are longer
     than the ``usual`` (width,), or than the step before."""
-    found, before = list[LongSteps](), np.zeros(len(ends))
+    batches, before = list[LongSteps](), np.zeros(len(ends))
 
     def look(at: Any) -> bool:
         nonlocal before
         length = np.abs(at.last_h)
-        own = length > np.minimum(GROWTH * before, usual)
-        if own.any():
-            taken = at.last_h[own]
-            found.append(
-                LongSteps(which[own], taken, at.time[own] - taken, at.tc[:, :, own], usual[own])
+        chosen = length > np.minimum(GROWTH * before, usual)
+        if chosen.any():
+            taken = at.last_h[chosen]
+            batches.append(
+                LongSteps(
+                    which[chosen],
+                    taken,
+                    at.time[chosen] - taken,
+                    at.tc[:, :, chosen],
+                    usual[chosen],
+                )
             )
         before = length
         return True
@@ -299,4 +305,4 @@ def long_steps(
     integrator.propagate_until(
         ends.tolist(), max_steps=most, max_delta_t=limits.tolist(), write_tc=True, callback=look
     )
-    return found
+    return batches

@@ -201,8 +201,8 @@ class _March:
             if event.name not in self.problem.coarse or near[i]
         }
         if fine:
-            stride, found = self.happenings(stride, fine)
-            self.log.enter_all(found, stride.at)
+            stride, passages = self.happenings(stride, fine)
+            self.log.enter_all(passages, stride.at)
             end = self.log.last[0] if self.log.stopped else stride.end
         reached = self.count_until(end)
         ends = [t for t in stride.inner if self.order * t < self.order * end] + [float(end)]
@@ -230,7 +230,7 @@ class _March:
         left = switching_surfaces if self.is_on_switching_surface else frozenset()
         known = self.last_look[1] if self.last_look[0] == stride.start else None
         seen = crossings(events, self.levels, stride.course(known), left)
-        self.last_look, found = (stride.end, seen.end), seen.passages
+        self.last_look, passages = (stride.end, seen.end), seen.passages
         self.log.touches += seen.touches
         # short first steps may leave a switching surface by less than rounding
         on = [
@@ -240,14 +240,14 @@ class _March:
         ]
         self.is_on_switching_surface = self.is_on_switching_surface and any(on)
         switching_surface = next(
-            (pair for pair in found if pair[1].name in switching_surfaces), None
+            (pair for pair in passages if pair[1].name in switching_surfaces), None
         )
         if (
             switching_surface is None
             or stride.up_to is None
             or switching_surface[0] == stride.start
         ):
-            return stride, found
+            return stride, passages
         shorter = stride.up_to(switching_surface[0])
         others = {i: event for i, event in events.items() if event.name not in switching_surfaces}
         before = crossings(others, self.levels, shorter.course(known)).passages if others else []
@@ -305,9 +305,9 @@ class _March:
         times, states = (np.concatenate([each[i] for each in recent]) for i in (0, 1))
         turn = np.argsort(self.order * times, kind="stable")
         times, states = times[turn], states[turn]
-        found = look(times.astype(float), states.astype(float))
-        assert found is not None  # some of these were among the few
-        time, state = times[max(found - 1, 0)], states[max(found - 1, 0)]
+        place = look(times.astype(float), states.astype(float))
+        assert place is not None  # some of these were among the few
+        time, state = times[max(place - 1, 0)], states[max(place - 1, 0)]
         reached = self.count_until(time)
         self.done = min(self.done, max(reached, 1))
         return Termination(SINGULAR, time, state, singular=True)
@@ -319,11 +319,11 @@ class _March:
         if kept and self.order * end[0] > self.order * t[-1]:
             t = np.append(t.astype(states.dtype), np.array([end[0]], states.dtype))
             states = np.vstack([states, end[1]])
-        found = crossing_arrays(self.log.rows, self.problem.events, states.shape[1], states.dtype)
+        crossed = crossing_arrays(self.log.rows, self.problem.events, states.shape[1], states.dtype)
         if halt is not None:
-            found = until(found, t[0], halt.time)
+            crossed = until(crossed, t[0], halt.time)
         return Run(
-            t, states, self.steps, self.stepper.evaluations, found, halt, interrupted,
+            t, states, self.steps, self.stepper.evaluations, crossed, halt, interrupted,
             self.log.stopped, self.inside if self.problem.dense else None, ends=tuple(self.ends),
             samples=StepSamples.of(self.sampler.rows), notes=self.log.notes,
         )  # fmt: skip

@@ -90,9 +90,9 @@ def units_of_many(program: Program, states: np.ndarray, values: np.ndarray) -> n
     """
     if not states.shape[1]:
         return np.ones(states.shape)
-    found = _units_beside(program, states, values, [])
-    if (found == 1).all():
-        return found
+    units = _units_beside(program, states, values, [])
+    if (units == 1).all():
+        return units
     return _units_beside(
         program, states, values, [*angles_among(program.state, (program.derivative,))]
     )
@@ -113,26 +113,26 @@ def _units_beside(
         # nothing depends on a quadrature, so that its value has no size; its rate has
         held = [s in program.derivative.symbols for s in program.state]
         x = np.where(held, np.abs(states), 0.0)
-        own, turning = x.copy(), np.zeros(x.shape, dtype=bool)
-        own[:, angles], turning[:, angles] = 1.0, True
-        own = np.where(_are_felt(slopes, states, own, turning), own, 0.0)
-        moving = _are_moving(own, slope, ~turning)
-        moving |= _are_moving(own, slope, turning) & ~moving.any(axis=1, keepdims=True)
-        times = np.sort(np.where(moving, own / slope, np.inf), axis=1)
+        sizes, turning = x.copy(), np.zeros(x.shape, dtype=bool)
+        sizes[:, angles], turning[:, angles] = 1.0, True
+        sizes = np.where(_are_felt(slopes, states, sizes, turning), sizes, 0.0)
+        moving = _are_moving(sizes, slope, ~turning)
+        moving |= _are_moving(sizes, slope, turning) & ~moving.any(axis=1, keepdims=True)
+        times = np.sort(np.where(moving, sizes / slope, np.inf), axis=1)
         count, rows = moving.sum(axis=1), np.arange(len(x))
         # of two in the middle the shorter: a size that is too small costs steps, a large one digits
         middle = times[rows, (count - 1) // 2]
         span = np.where(count > 0, middle, 0.0)[:, None]
         expected = np.where(_sound(slope), slope, 0.0)
         # what only slow states let grow large does not where others, angles too, are quick
-        quick = _are_moving(own, slope, np.ones(x.shape, dtype=bool))
-        briefest = np.where(quick, own / slope, np.inf).min(axis=1, keepdims=True)
+        quick = _are_moving(sizes, slope, np.ones(x.shape, dtype=bool))
+        briefest = np.where(quick, sizes / slope, np.inf).min(axis=1, keepdims=True)
         soon = np.maximum(expected * np.minimum(span, briefest), 1.0)
         expected = expected * span
         size = np.maximum(x, np.where(expected > ORDINARY, soon, expected))
         small = (size > 0) & (size < SMALL)
         if small.any():
-            terms = span * balance(slopes, states, own)
+            terms = span * balance(slopes, states, sizes)
             size = np.where(small, np.maximum(size, np.minimum(terms, SMALL)), size)
         far = (size > 0) & ~((size >= SMALL) & (size <= ORDINARY)) & np.isfinite(size)
     far &= np.isfinite(slope).all(axis=1)[:, None]
@@ -154,12 +154,12 @@ def units_next_to(sizes: np.ndarray) -> np.ndarray:
 
 def balance(slopes: Slopes, states: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """How much rates (s, n) depend on the states: what is small only because large terms cancel."""
-    now, found = slopes(states), np.zeros(states.shape)
+    now, dependence = slopes(states), np.zeros(states.shape)
     for j in np.flatnonzero(sizes.any(axis=0)):
         beside = states.copy()
         beside[:, j] += NUDGE * sizes[:, j]
-        found = np.fmax(found, np.abs(slopes(beside) - now) / NUDGE)
-    return found
+        dependence = np.fmax(dependence, np.abs(slopes(beside) - now) / NUDGE)
+    return dependence
 
 
 def _are_felt(
@@ -205,16 +205,16 @@ def angles_among(state: tuple[Any, ...], blocks: tuple[Block, ...]) -> tuple[int
 
 def _angles(blocks: Iterable[Block], among: Iterable[Any]) -> set[Any]:
     """Those of the symbols that occur under sines and cosines only, in whole multiples."""
-    found = set(among)
+    angles = set(among)
     for block in blocks:
-        known: dict[Any, Mapping[Any, int]] = {s: {s: 1} for s in found}
+        known: dict[Any, Mapping[Any, int]] = {s: {s: 1} for s in angles}
         for name, expr in block.assignments:
-            multiples = _multiples(expr, known, found)
+            multiples = _multiples(expr, known, angles)
             if multiples:
                 known[name] = multiples
         for result in block.results:
-            found -= set(_multiples(result, known, found))
-    return found
+            angles -= set(_multiples(result, known, angles))
+    return angles
 
 
 def _multiples(
@@ -363,9 +363,9 @@ class TurnCount:
     @property
     def _slack(self) -> np.ndarray:
         """Which states were far below units above 1 in all of the last steps."""
-        found = (self.units > 1) & (LARGE * self.peaks < 1) & (self.looks >= SHORT)
-        found[self.small] = False
-        return np.asarray(found)
+        slack = (self.units > 1) & (LARGE * self.peaks < 1) & (self.looks >= SHORT)
+        slack[self.small] = False
+        return np.asarray(slack)
 
     def renew(self, state: np.ndarray) -> bool:
         """Set units anew where they do not fit, and states (n,), or (n, lanes), in place; whether
@@ -410,16 +410,16 @@ class TurnCount:
         nothing is taken out."""
         if not self.is_needed and not self.scaled:
             return series
-        found = series * self.units[:, None]
-        found[:, :, 0] = self.whole(series[:, :, 0])
-        return found
+        coefficients = series * self.units[:, None]
+        coefficients[:, :, 0] = self.whole(series[:, :, 0])
+        return coefficients
 
     def now(self) -> TurnCount:
         """What is taken out at present, for states that are looked at later."""
-        found = copy.copy(self)
-        found.high, found.low = self.high.copy(), self.low.copy()
-        found.units = self.units.copy()
-        return found
+        snapshot = copy.copy(self)
+        snapshot.high, snapshot.low = self.high.copy(), self.low.copy()
+        snapshot.units = self.units.copy()
+        return snapshot
 
     def growth(self, state: np.ndarray) -> float:
         """The largest state that may be kept small, in units of the largest other (at least 1); of

@@ -97,28 +97,28 @@ class WideBatch:
         rows = which.reshape(-1, lanes)
         every = np.asarray(rows.all(axis=1)).tolist()
         for k in np.flatnonzero(rows.any(axis=1)).tolist():
-            own: Any = slice(lanes * k, lanes * (k + 1))
+            columns: Any = slice(lanes * k, lanes * (k + 1))
             if not every[k]:
-                own = lanes * k + np.where(rows[k], np.arange(lanes), int(np.argmax(rows[k])))
+                columns = lanes * k + np.where(rows[k], np.arange(lanes), int(np.argmax(rows[k])))
             if together:
                 batch.set_time(*begin)
             else:
-                batch.set_dtime(self.high[own], self.low[own])
-            state[:] = self.state[:, own]
+                batch.set_dtime(self.high[columns], self.low[columns])
+            state[:] = self.state[:, columns]
             if not alike:
-                pars[:] = self.pars[:, own]
-            yield own
+                pars[:] = self.pars[:, columns]
+            yield columns
 
     def first_steps(self, spans: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The lengths (width,) of next steps, which lead no further than ``spans`` (width,), and
         their Taylor coefficients (n, order + 1, width); nothing moves."""
         series = np.full((len(self.state), self.batch.order + 1, self.width), np.nan)
         taken, limits = np.zeros(self.width), spans.tolist()
-        for own in self.loads(self.alive):
-            own_limits = limits[own] if isinstance(own, slice) else spans[own].tolist()
+        for columns in self.loads(self.alive):
+            own_limits = limits[columns] if isinstance(columns, slice) else spans[columns].tolist()
             self.batch.step(max_delta_t=own_limits, write_tc=True)
-            series[:, :, own] = self.batch.tc
-            taken[own] = self.batch.last_h
+            series[:, :, columns] = self.batch.tc
+            taken[columns] = self.batch.last_h
         return taken, series
 
     def along_grid(self, times: np.ndarray, longest: np.ndarray, **options: Any) -> np.ndarray:
@@ -126,9 +126,9 @@ class WideBatch:
         the ``longest`` (width,): states (k, n, width), no numbers where a motion does not come."""
         each = np.repeat(times[:, None], self.batch.batch_size, axis=1)
         rows = np.full((len(times), *self.state.shape), np.nan)
-        for own, limits in self._take_steps(np.full(self.width, times[-1]), longest):
-            found = self.batch.propagate_grid(each, **limits, **options)
-            rows[:, :, own] = found[1] if isinstance(found, tuple) else found
+        for columns, limits in self._take_steps(np.full(self.width, times[-1]), longest):
+            path = self.batch.propagate_grid(each, **limits, **options)
+            rows[:, :, columns] = path[1] if isinstance(path, tuple) else path
         return rows
 
     def go_to(
@@ -137,9 +137,9 @@ class WideBatch:
         """Go to times (width,); the continuous output, which there is of a single load alone: its
         motions stop where one of them breaks down."""
         output = None
-        for own, limits in self._take_steps(ends, longest, again=not c_output):
+        for columns, limits in self._take_steps(ends, longest, again=not c_output):
             output = self.batch.propagate_until(
-                ends[own].tolist(), c_output=c_output, **limits, **options
+                ends[columns].tolist(), c_output=c_output, **limits, **options
             )[0]
         return output
 
@@ -154,11 +154,11 @@ class WideBatch:
         self.latest, bounded = LatestSteps.none(self.width), bool(np.isfinite(longest).any())
         while which.any():
             notes: list[tuple[Any, Any, Any]] = []
-            for own in self.loads(which):
-                yield own, {"max_delta_t": longest[own].tolist()} if bounded else {}
-                notes.append((own, self.batch.propagate_res, self.batch.last_h))
-                self.state[:, own] = self.batch.state
-                self.high[own], self.low[own] = self.batch.dtime
+            for columns in self.loads(which):
+                yield columns, {"max_delta_t": longest[columns].tolist()} if bounded else {}
+                notes.append((columns, self.batch.propagate_res, self.batch.last_h))
+                self.state[:, columns] = self.batch.state
+                self.high[columns], self.low[columns] = self.batch.dtime
             self._note(notes)
             broken = which & ~self.alive
             self.state[:, broken] = np.nan
@@ -174,8 +174,8 @@ class WideBatch:
     def _note(self, notes: list[tuple[Any, Any, Any]]) -> None:
         """Take down what heyoka says of steps."""
         every = np.arange(self.width)
-        which = np.concatenate([every[own] for own, _, _ in notes])
-        lengths = np.array([each[1:] for _, found, _ in notes for each in found])
+        which = np.concatenate([every[columns] for columns, _, _ in notes])
+        lengths = np.array([each[1:] for _, outcomes, _ in notes for each in outcomes])
         latest = self.latest
         latest.shortest[which], latest.longest[which] = np.abs(lengths[:, :2]).T
         latest.taken[which] = lengths[:, 2]

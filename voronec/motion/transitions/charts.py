@@ -56,8 +56,8 @@ def through_charts(
     if not charts:
         return choose(method, problem, grid)
     atlas = Atlas(method, problem, grid, form, charts, functions)
-    own = atlas.place(HOME)
-    return lambda times: _Charts(atlas, times).run(), dict(own.chosen)
+    place = atlas.place(HOME)
+    return lambda times: _Charts(atlas, times).run(), dict(place.chosen)
 
 
 @dataclass
@@ -112,7 +112,7 @@ class _Charts:
         """A run of another chart in the own one, from a state ``begin`` there on, with all instants
         at which an angle comes from one quadrant into another, and on the right branches."""
         angles, inside, halt = self.atlas.angles, run.inside, run.halt
-        found = [(e.name, run.crossings[e.name]) for e in self.atlas.problem.events]
+        crossings = [(e.name, run.crossings[e.name]) for e in self.atlas.problem.events]
         times, states = self.with_sides(run)
         home = self.on_this_side(place, times[0], states[0], begin)
         rows, begin = self.beside_pole(place, times, home(times, states), begin)
@@ -123,14 +123,14 @@ class _Charts:
 
         def back(t: np.ndarray, states: np.ndarray) -> np.ndarray:
             """Angles are next to those known before them."""
-            found = home(t, states)
+            mapped = home(t, states)
             before = np.searchsorted(order * times, order * t, side="right") - 1
             near = rows[np.clip(before, 0, len(rows) - 1)]
-            return np.where(angles, found - whole_turns(found - near), found)
+            return np.where(angles, mapped - whole_turns(mapped - near), mapped)
 
         return replace(
             run, t=times, states=rows,
-            crossings={name: (t, back(t, x)) for name, (t, x) in found},
+            crossings={name: (t, back(t, x)) for name, (t, x) in crossings},
             halt=halt and replace(halt, state=back(np.array([halt.time]), halt.state[None])[0]),
             inside=None if inside is None else lambda t: back(t, inside(t)),
             samples=tuple(replace(sample.through(back), apart=True) for sample in run.samples),
@@ -186,8 +186,8 @@ class _Charts:
     def with_sides(self, part: Run) -> tuple[np.ndarray, np.ndarray]:
         """Times and states of a stretch, with all instants at which an angle of the own chart
         comes from one quadrant into another: between two of them it stays within a right angle."""
-        found = [rows for name, rows in part.crossings.items() if name.startswith(SIDE)]
-        inner = [(t, states) for t, states in found if len(t)]
+        crossings = [rows for name, rows in part.crossings.items() if name.startswith(SIDE)]
+        inner = [(t, states) for t, states in crossings if len(t)]
         times = np.concatenate([part.t, *(t for t, _ in inner)])
         states = np.vstack([part.states, *(states for _, states in inner)])
         order = times if times[0] <= part.t[-1] else -times

@@ -86,10 +86,10 @@ def through_switching_surfaces(
     changing = problem.changing
     if changing is None:
         return _through_switching_surfaces(method, problem, grid, form, functions)
-    own = replace(
+    quiet = replace(
         problem, changing=changing.functional, progress=None
     )  # pieces are told of one by one
-    first = _through_switching_surfaces(method, own, grid, form, functions)
+    first = _through_switching_surfaces(method, quiet, grid, form, functions)
     if first is None:
         return None
 
@@ -240,18 +240,18 @@ class _Switches:
         hit = tuple(dict.fromkeys((*hit, *before.along)))
         state = roads.on_surfaces(time, state, hit, before.sides)
         sides = {w: s for w, s in before.sides.items() if w not in {x.switch for x in hit}}
-        found = roads.next_mode(time, state, sides, hit)
-        if isinstance(found, str):
-            return Termination(found, time, self.number(state))
-        if found.along:
-            state = roads.on_surfaces(time, state, found.along, found.sides)
+        mode = roads.next_mode(time, state, sides, hit)
+        if isinstance(mode, str):
+            return Termination(mode, time, self.number(state))
+        if mode.along:
+            state = roads.on_surfaces(time, state, mode.along, mode.sides)
         events, home = roads.problem.events, self.number(state)
-        happened = [e for e in events if self.passes(e, before, found, time, state)]
+        happened = [e for e in events if self.passes(e, before, mode, time, state)]
         ahead = () if here.ahead is None else (here.ahead,)
-        if (found.along, found.sides) == (before.along, before.sides) and ahead:
-            time, state = self.pass_by(found, time, state, here.ahead)
+        if (mode.along, mode.sides) == (before.along, before.sides) and ahead:
+            time, state = self.pass_by(mode, time, state, here.ahead)
         self.switched = here.time
-        return self.phase(found, time, state, home, ahead, happened)
+        return self.phase(mode, time, state, home, ahead, happened)
 
     def pass_by(
         self, mode: Mode, time: Any, state: np.ndarray, ahead: Any

@@ -58,11 +58,11 @@ def write_gallery(folder: Path, tell: Callable[[str], None] = lambda _: None) ->
             f"<b>{html.escape(title)}</b><span>{html.escape(caption)}</span></a>"
         )
     parts = {"ROWS": "\n".join(rows), "STYLE": "", "KINDS": ""}
-    for kind, own in kinds.items():
+    for kind, tag in kinds.items():
         parts["KINDS"] += (
-            f'<input type="radio" name="kind" id="{own}"><label for="{own}">{kind}</label>\n'
+            f'<input type="radio" name="kind" id="{tag}"><label for="{tag}">{kind}</label>\n'
         )
-        parts["STYLE"] += f"#{own}:checked ~ main .card:not(.{own}) {{ display: none; }}\n"
+        parts["STYLE"] += f"#{tag}:checked ~ main .card:not(.{tag}) {{ display: none; }}\n"
     index = (resources(__package__) / "gallery.html").read_text("utf-8")
     files[0].write_text(re.sub("@([A-Z]+)@", lambda mark: parts[mark[1]], index), "utf-8")
     return files

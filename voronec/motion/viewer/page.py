@@ -232,8 +232,8 @@ class Page:
         start = dict(zip(map(str, self.program.state), map(float, self.states[0]), strict=True))
         values = {name: float(x) for name, x in self.trajectory.parameters.items()}
         try:
-            found = closed_form(self.system, parameters=values, initial=start).classes
-            classes = "; ".join(f"{title}: class {of}" for title, of in found.items())
+            traces = closed_form(self.system, parameters=values, initial=start).classes
+            classes = "; ".join(f"{title}: class {of}" for title, of in traces.items())
         except VoronecError:  # the page shows the motion all the same
             classes = ""
         return {"variable": f"{motion.x} = {motion.meaning}", "classes": classes}
@@ -249,14 +249,14 @@ class Page:
 
     def _entry(self, place: int, name: str, value: float, slides: bool) -> dict[str, Any]:
         """One number that a slider moves."""
-        own = next((p for p in self.system.parameters if p.name == name), None)
-        positive = own is not None and own.is_positive
+        parameter = next((p for p in self.system.parameters if p.name == name), None)
+        positive = parameter is not None and parameter.is_positive
         reach = 2 * abs(value) or 1.0
         low, high = (value / 10, 3 * value) if positive else (value - reach, value + reach)
-        if own is not None:
-            low = low if own.lower is None else max(low, float(own.lower))
-            high = high if own.upper is None else min(high, float(own.upper))
-        meaning = own.meaning if own is not None else self.system.meanings.get(name, "")
+        if parameter is not None:
+            low = low if parameter.lower is None else max(low, float(parameter.lower))
+            high = high if parameter.upper is None else min(high, float(parameter.upper))
+        meaning = parameter.meaning if parameter is not None else self.system.meanings.get(name, "")
         return {
             "place": place, "name": name, "value": float(value), "meaning": meaning,
             "low": low, "high": high, "positive": positive, "slides": slides,
