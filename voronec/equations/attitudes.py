@@ -134,16 +134,16 @@ def angles_without_chart(equations: VoronecEquations) -> tuple[EulerAngles, ...]
 def _make_chart(equations: VoronecEquations) -> VoronecEquations | None:
     system, triples = equations.system, angles_without_chart(equations)
     turned: dict[str, Chart] = {}
-    for own, count in product(("", *system.charts), range(1, len(triples) + 1)):
-        there = equations if not own else derive(system_in(system, own))
+    for source, count in product(("", *system.charts), range(1, len(triples) + 1)):
+        there = equations if not source else derive(system_in(system, source))
         for chosen in combinations(triples, count):
             axes = f"polar axis of {', '.join(str(t.theta) for t in chosen)} turned"
             try:
                 chart = _TurnedSystem(there.definition, chosen, triples).chart
             except EngineLimit:
                 continue
-            declared = system.charts.get(own)
-            name = f"{own}, {axes}" if own else axes
+            declared = system.charts.get(source)
+            name = f"{source}, {axes}" if source else axes
             turned[name] = (
                 _beside(chart, system) if declared is None else _both(chart, declared, system)
             )
@@ -197,13 +197,13 @@ def _recognise(d: Definition) -> Iterator[EulerAngles]:
                 continue
             phi, *others = sorted(blind, key=d.coordinates.index)
             if not others:
-                found = metric.blind_at(theta, np.pi - float(shift)) == blind and (None, 1)
+                partner = metric.blind_at(theta, np.pi - float(shift)) == blind and (None, 1)
             else:
                 ratio = blind[others[0]] / blind[phi]
-                found = abs(abs(ratio) - 1) < ALMOST and (others[0], -1 if ratio > 0 else 1)
-            if found:
+                partner = abs(abs(ratio) - 1) < ALMOST and (others[0], -1 if ratio > 0 else 1)
+            if partner:
                 taken |= {theta, *blind}
-                yield EulerAngles(phi, theta, found[0], shift, found[1])
+                yield EulerAngles(phi, theta, partner[0], shift, partner[1])
 
 
 @dataclass(frozen=True)
@@ -250,7 +250,7 @@ class _Metric:
         """The one or two coordinates of the single direction without energy where an angle has a
         value, with rates; None where that is not so.  Beside it, since rates may be infinite
         there."""
-        dice, found = Random(SEED), []
+        dice, directions = Random(SEED), []
         place = self._symbols.index(angle)
         for _ in range(2):
             point = np.array([dice.uniform(0.3, 1.2) for _ in self._symbols])
@@ -259,8 +259,8 @@ class _Metric:
             blind = _null_direction(generic, self._matrix(point))
             if blind is None:
                 return None
-            found.append(blind)
-        one, other = found
+            directions.append(blind)
+        one, other = directions
         if [*one] != [*other] or any(abs(one[i] - other[i]) > ALMOST for i in one):
             return None
         return {self.d.coordinates[i]: x for i, x in one.items()}
@@ -387,11 +387,11 @@ class _TurnedSystem:
             if "default" in scenes
             else {}
         )
-        own = {plain_name(q): start.get(plain_name(q), 0) for q in self.d.system.coordinates}
+        values = {plain_name(q): start.get(plain_name(q), 0) for q in self.d.system.coordinates}
         for t in self.chosen:
-            own |= {str(t.phi): sp.pi, str(t.theta): sp.pi / 2}
-            own |= {} if t.psi is None else {str(t.psi): sp.Rational(1, 2)}
-        return {q: own[plain_name(q)] for q in map(out, self.d.coordinates)}
+            values |= {str(t.phi): sp.pi, str(t.theta): sp.pi / 2}
+            values |= {} if t.psi is None else {str(t.psi): sp.Rational(1, 2)}
+        return {q: values[plain_name(q)] for q in map(out, self.d.coordinates)}
 
     def _changes(self) -> dict[str, Any]:
         d, out = self.d, self.d.bridge.outward
@@ -406,8 +406,8 @@ class _TurnedSystem:
             changes["frame"] = self._frame([out(row) for row in self._frame_rows[0]])
         if any(f != 0 for f in d.forces):
             power = self._move(_affine(d.forces, se.Integer(0), d.dots))
-            own = zip(d.system.coordinates, d.dots, strict=True)
-            changes["forces"] = {q: out(power.diff(dot)) for q, dot in own}
+            pairs = zip(d.system.coordinates, d.dots, strict=True)
+            changes["forces"] = {q: out(power.diff(dot)) for q, dot in pairs}
         return changes
 
     def _constraints(self) -> list[Any]:
@@ -428,10 +428,10 @@ class _TurnedSystem:
 
     @cached_property
     def _moved_relations(self) -> tuple[Any, ...]:
-        found = self.d.relations
+        relations = self.d.relations
         for t in self.chosen:
-            found = tuple(self._of_one(r, t) for r in found)
-        return found
+            relations = tuple(self._of_one(r, t) for r in relations)
+        return relations
 
     @cached_property
     def _frame_rows(self) -> tuple[list[Any], dict[EulerAngles, list[_AlongLines]]]:
@@ -477,9 +477,9 @@ class _TurnedSystem:
                 raise EngineLimit(f"the velocity {x} is not regular at the poles of the angles")
 
     def _frame(self, expressions: Sequence[sp.Expr]) -> Frame:
-        own = self.d.system.frame
-        assert own is not None
-        return replace(own, expressions=tuple(expressions))
+        frame = self.d.system.frame
+        assert frame is not None
+        return replace(frame, expressions=tuple(expressions))
 
     def _move(self, expr: Any) -> Any:
         """A function of coordinates and velocities in the other angles."""
@@ -510,32 +510,32 @@ class _TurnedSystem:
         s, c = se.sin(psi), se.cos(psi)
         turn = (s * rates[0] + c * rates[1]) / se.sin(t.theta)
         spin = rates[2] - se.cos(t.theta) * turn
-        own = expr.subs({t.theta: t.theta - t.shift, psi: t.sense * psi})
-        own = own.xreplace({
+        spelled = expr.subs({t.theta: t.theta - t.shift, psi: t.sense * psi})
+        spelled = spelled.xreplace({
             dots[t.phi]: turn,
             dots[t.theta]: c * rates[0] - s * rates[1],
             dots[psi]: t.sense * spin,
         })  # fmt: skip
-        found = Rotations(t.phi, t.theta, psi, entries, roots or {}).rewrite(own)
+        rewritten = Rotations(t.phi, t.theta, psi, entries, roots or {}).rewrite(spelled)
         matrix = _stand_up(_matrix(t.horizontal))
         values = {entries[i][j]: matrix[i][j] for i in range(3) for j in range(3)}
         # the body's rates do not know which way is up
         upright = EulerAngles(t.phi, t.theta, t.psi, se.Integer(0), 1)
         values |= zip(rates, upright.body_rates(dots), strict=False)
-        found = found.xreplace(values)
-        return found.subs({psi: 0}) if t.psi is None else found
+        rewritten = rewritten.xreplace(values)
+        return rewritten.subs({psi: 0}) if t.psi is None else rewritten
 
 
 def _roots(d: Definition, t: EulerAngles) -> dict[Any, Any]:
     """x -> f for every coordinate that a relation x^2 = f binds to the angles."""
-    found: dict[Any, Any] = {}
+    squares: dict[Any, Any] = {}
     for relation in d.relations:
         for x in {*d.coordinates} & relation.free_symbols - {*t.symbols}:
             half = relation.diff(x, x) / 2
             rest = se.expand(-(relation - half * x**2) / half) if half != 0 else x
             if x not in rest.free_symbols and rest.free_symbols & {*t.symbols}:
-                found[x] = rest
-    return found
+                squares[x] = rest
+    return squares
 
 
 def _of_angular_velocities(
@@ -551,9 +551,9 @@ def _of_angular_velocities(
     rates = t.body_rates(dict(zip(d.coordinates, d.dots, strict=True)))
     turn = se.DenseMatrix([[w.diff(d.dots[j]) for j in columns] for w in rates])
     whole = se.DenseMatrix([rows[i] for i in held])
-    own = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
+    coefficients = se.DenseMatrix([[rows[i][j] for j in columns] for i in held]) * turn.inv()
     for chosen in combinations(range(len(columns)), len(held)):
-        square = [[own[i, j] for j in chosen] for i in range(len(held))]
+        square = [[coefficients[i, j] for j in chosen] for i in range(len(held))]
         if generic_rank(square) == len(held):
             solved = se.DenseMatrix(square).inv() * whole
             yield kept + [[solved[i, j] for j in range(width)] for i in range(len(held))]

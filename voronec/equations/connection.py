@@ -174,13 +174,13 @@ def shared_slopes(functions: Sequence[Any], variables: Sequence[Any]) -> Callabl
     """
     marks = {se.Symbol(f"mark {k}"): f for k, f in enumerate(dict.fromkeys(functions))}
     whole = se.Add(*[mark * f for mark, f in marks.items()])
-    found: dict[Any, list[Any]] = {}
+    slopes: dict[Any, list[Any]] = {}
     for q in variables:
         for term in summands(whole.diff(q)):
             mark = next((part for part in factors_of(term) if part in marks), None)
             if mark is not None:
-                found.setdefault((marks[mark], q), []).append(term / mark)
-    return lambda function, q: se.Add(*found.get((function, q), ()))
+                slopes.setdefault((marks[mark], q), []).append(term / mark)
+    return lambda function, q: se.Add(*slopes.get((function, q), ()))
 
 
 def solve_fibre(
@@ -244,9 +244,9 @@ def framed_lift(
         [se.Integer(int(i == k)) for i in range(n)] + [-o] for k, o in enumerate(frame.offset)
     ]
     right += [[*nothing, -o] for o in relations.offset]
-    own = len(rows) - len(relations.matrix)
-    solution = solve_linear(rows, right, ideal, own, near)
-    if solution.free or solution.contradictory or any(i < own for i in solution.dependent):
+    preferred = len(rows) - len(relations.matrix)
+    solution = solve_linear(rows, right, ideal, preferred, near)
+    if solution.free or solution.contradictory or any(i < preferred for i in solution.dependent):
         raise UndeterminedVelocities(solution.free)
     return solution.values
 

@@ -121,15 +121,15 @@ class Control:
         self._require_still()
         drift, fields = self._after_feedback
         dimension = self.system_field.dimension
-        found = close_under_brackets(
+        closure = close_under_brackets(
             (drift, *fields), fields, self._bracket, self._independent, dimension
         )
-        frame, growth = found.frame, found.growth
+        frame, growth = closure.frame, closure.growth
         if not frame:
             nothing = Verdict("refuted", "the inputs move nothing, in normal form")
             return Accessibility(growth, dimension, nothing)
         shown, why = "in ball arithmetic", "brackets are too large"
-        if found.made is None and not self.system_field.relations:
+        if closure.made is None and not self.system_field.relations:
             variables = self.system_field.variables
             with suppress(EngineLimit):
                 growth = flag((drift, *fields), fields, self._bracket, tuple, variables, dimension)
@@ -137,8 +137,8 @@ class Control:
         if growth[-1] < dimension:
             words = f"{why} after dimension {growth[-1]} of {dimension}"
             otherwise = partial(Verdict, "undecided", words)
-            if found.made is not None:
-                otherwise = partial(self._closure, frame, found.made)
+            if closure.made is not None:
+                otherwise = partial(self._closure, frame, closure.made)
             return Accessibility(growth, dimension, self._on_leaves(otherwise))
         words = f"the brackets span all {dimension} dimensions at a point, {shown}, and so"
         where = (
@@ -146,7 +146,7 @@ class Control:
         )
         proof = Verdict("proved", f"{words} {where}")
         exceptions = self._exceptions(frame)
-        if found.made is not None and fields is not self.inner_fields:
+        if closure.made is not None and fields is not self.inner_fields:
             # where the inputs do not reach, nor does the feedback
             first = len(self.system_field.positions)
             exceptions += self._exceptions([g[first:] for g in self.inner_fields])
@@ -171,10 +171,10 @@ class Control:
         if len(frame) != len(frame[0]):
             return ()
         try:
-            found = self.system_field.bridge.outward(canonical([determinant(frame)])[0])
+            volume = self.system_field.bridge.outward(canonical([determinant(frame)])[0])
         except EngineLimit:
             return ()
-        above = sp.fraction(sp.together(found))[0]
+        above = sp.fraction(sp.together(volume))[0]
         if sp.count_ops(above) > LONGEST:
             return (above,)
         return tuple(f for f, _ in sp.factor_list(above)[1] if not f.is_number)
@@ -226,14 +226,14 @@ class Control:
         control = form._with_inputs(held)
         control._require_equilibrium(at)
         words = f"brackets up to degree {DEGREES[-1]} do not span all dimensions at the point"
-        found: Verdict | None = None
+        verdict: Verdict | None = None
         for degree in DEGREES:
-            found = _Brackets(control, at, degree).verdict
-            if found is not None:
+            verdict = _Brackets(control, at, degree).verdict
+            if verdict is not None:
                 break
-        if (found is None or found.undecided) and self.accessibility.verdict.refuted:
+        if (verdict is None or verdict.undecided) and self.accessibility.verdict.refuted:
             return self.accessibility.verdict
-        return Verdict("undecided", words) if found is None else found
+        return Verdict("undecided", words) if verdict is None else verdict
 
     def _has_values(self, at: Mapping[Any, Any]) -> bool:
         """Whether drift and fields are defined at a point as they are written."""
@@ -340,10 +340,10 @@ class Control:
                 f"the point gives no value to '{missing[0]}' of system '{system.name}'; add it"
             )
         exact = {s: as_expression(x) for s, x in values.items()}
-        found = {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
+        numbers = {s: se.sympify(sp.nsimplify(x, rational=True) if x.is_Float else x)
                  for s, x in exact.items()}  # fmt: skip
-        held = [found.pop(s) for s in pushes.values()]
-        return found, held
+        held = [numbers.pop(s) for s in pushes.values()]
+        return numbers, held
 
     def _require_equilibrium(self, at: Mapping[Any, Any]) -> None:
         place = f"system '{self.system_field.system.name}'"
@@ -433,22 +433,22 @@ class _Brackets:
             longer: dict[tuple[int, ...], list[FieldJet]] = {}
             for i, first in enumerate(self._basis):
                 for kind, fields in level.items():
-                    own = tuple(n + int(i == j) for j, n in enumerate(kind))
+                    counts = tuple(n + int(i == j) for j, n in enumerate(kind))
                     for field in fields:
                         made = first.bracket(field)
-                        if spans.setdefault(own, Span()).add(made.coefficients):
-                            longer.setdefault(own, []).append(made)
+                        if spans.setdefault(counts, Span()).add(made.coefficients):
+                            longer.setdefault(counts, []).append(made)
             level = longer
 
 
 def _apply_matrix(linear: Sequence[Any], vector: Mapping[int, Any]) -> dict[int, Any]:
     """A matrix, its rows given as linear forms, times a vector."""
-    found = {}
+    product = {}
     for i, form in enumerate(linear):
         total = sum(c * vector.get(m.index(1), 0) for m, c in form.to_dict().items())
         if total != 0:
-            found[i] = total
-    return found
+            product[i] = total
+    return product
 
 
 def _regular(control: Control, expansion: Expansion) -> bool:
@@ -534,10 +534,10 @@ class _ExtendedSystem:
             slopes = []
             for field in self.fields:
                 slope = along(field, output, self.state)
-                found = decide_zero(slope, self.relations)
-                if found.undecided:
+                verdict = decide_zero(slope, self.relations)
+                if verdict.undecided:
                     return None
-                slopes.append(se.Integer(0) if found.proved else slope)
+                slopes.append(se.Integer(0) if verdict.proved else slope)
             output = along(self.drift, output, self.state)
             if any(slope != 0 for slope in slopes):
                 return order, output, tuple(slopes)
@@ -589,19 +589,19 @@ def flatness(
     )
     for _ in range(len(system.state)):
         met = [system.relative_degree(y) for y in outputs]
-        found = [m for m in met if m is not None]
-        if len(found) < len(met):
+        degrees = [m for m in met if m is not None]
+        if len(degrees) < len(met):
             return Verdict("undecided", "an output holds no input, whatever its rates, or too much")
-        rows = [row for _, _, row in found]
+        rows = [row for _, _, row in degrees]
         kept = independent(rows)
         if len(kept) == len(rows):
-            total = sum(order for order, _, _ in found)
+            total = sum(order for order, _, _ in degrees)
             size = len(system.state) - redundant
             if total == size:
-                words = f"the outputs and {max(order for order, _, _ in found)} of their rates"
+                words = f"the outputs and {max(order for order, _, _ in degrees)} of their rates"
                 return Verdict("proved", f"{words} determine state and inputs near generic states")
             words = f"{total} rates of the outputs are independent, and the state has {size}"
             return Verdict("refuted", f"{words} dimensions: a motion is left that they do not see")
-        offsets = [found[k][1] for k in kept]
+        offsets = [degrees[k][1] for k in kept]
         system = system.prolong([rows[k] for k in kept], offsets, independent)
     return Verdict("undecided", f"{len(state)} times as many integrators do not suffice")

@@ -260,17 +260,17 @@ def _rates_of_velocities(
 ) -> dict[sp.Expr, tuple[Sequence[Any], Any]]:
     """What an acceleration is: coefficients of qddot, and the part at fixed velocities."""
     zero, size = se.Integer(0), range(len(dots))
-    found: dict[sp.Expr, tuple[Sequence[Any], Any]] = {}
+    rates: dict[sp.Expr, tuple[Sequence[Any], Any]] = {}
     if frame is not None:
         clock, coordinates = bridge.inward(time), bridge.inward_all(system.coordinates)
         definitions = zip(system.velocities, frame.matrix, frame.expressions(dots), strict=True)
         for v, row, expr in definitions:
             terms = (expr.diff(q) * dot for q, dot in zip(coordinates, dots, strict=True))
-            found[velocity(v)] = row, se.Add(expr.diff(clock), *terms)
-    own = system.directions if system.on_group else map(velocity, system.coordinates)
-    for a, w in enumerate(own):
-        found[velocity(w)] = [se.Integer(int(a == b)) for b in size], zero
-    return found
+            rates[velocity(v)] = row, se.Add(expr.diff(clock), *terms)
+    directions = system.directions if system.on_group else map(velocity, system.coordinates)
+    for a, w in enumerate(directions):
+        rates[velocity(w)] = [se.Integer(int(a == b)) for b in size], zero
+    return rates
 
 
 def _group(system: System, bridge: SymPyBridge) -> GroupFrame | None:

@@ -92,14 +92,14 @@ class Derivation:
     def tidy(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring intermediate results into normal form, or leave them, as this derivation does."""
         d = self.definition
-        own = partial(canonical, relations=d.relations, budget=self.budget)
-        return self._in_differences(exprs, own)
+        normalise = partial(canonical, relations=d.relations, budget=self.budget)
+        return self._in_differences(exprs, normalise)
 
     def polish(self, exprs: Sequence[Any]) -> list[Any]:
         """Bring final results into their shortest form, or leave them, as this derivation does."""
         d = self.definition
-        own = partial(shortest, relations=d.relations, group=d.velocities, budget=self.budget)
-        return self._in_differences(exprs, own)
+        shorten = partial(shortest, relations=d.relations, group=d.velocities, budget=self.budget)
+        return self._in_differences(exprs, shorten)
 
     def _in_differences(self, exprs: Sequence[Any], tidy: Callable[..., list[Any]]) -> list[Any]:
         """Expressions tidied in differences of angles, where there are such."""
@@ -255,10 +255,10 @@ class Derivation:
         vs = self.definition.velocities
         n = len(vs)
         upper = [(i, j) for i in range(n) for j in range(i, n)]
-        own = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
+        masses = [self.quasi_momenta[i].diff(vs[j]) for i, j in upper]
         if self.definition.added:
-            own = [m - self.added_mass[i][j] for (i, j), m in zip(upper, own, strict=True)]
-        entries = self.polish(own)
+            masses = [m - self.added_mass[i][j] for (i, j), m in zip(upper, masses, strict=True)]
+        entries = self.polish(masses)
         table = dict(zip(upper, entries, strict=True))
         return [[table[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
 

@@ -140,8 +140,8 @@ class DerivedEquations:
     @cached_property
     def _loses_digits(self) -> bool:
         """Whether terms of normal forms are larger than what they leave."""
-        exprs, own = self.raw.form.expressions, self.definition
-        moving = (own.time, *own.coordinates, *own.velocities)
+        exprs, definition = self.raw.form.expressions, self.definition
+        moving = (definition.time, *definition.coordinates, *definition.velocities)
         return (
             holds_far_multiples(exprs)
             or splits_curved_angles(exprs, moving)
@@ -276,17 +276,18 @@ class DerivedEquations:
 
     @cached_property
     def _integrable(self) -> tuple[list[Any], list[Any]]:
-        found = self.distribution
-        most = found.dimension - found.growth[-1]
+        distribution = self.distribution
+        most = distribution.dimension - distribution.growth[-1]
         return integrate(self.definition, self._lift(self.raw), most)
 
     @cached_property
     def orders(self) -> dict[str, int]:
         """The highest derivative of each input, by name, that the equations hold."""
-        found = atoms(self.raw.form.expressions, se.Derivative)
-        functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in found)]
+        derivatives = atoms(self.raw.form.expressions, se.Derivative)
+        functions = [f for f in self.definition.inputs if any(d.args[0] == f for d in derivatives)]
         return {
-            f.get_name(): max(len(d.args) - 1 for d in found if d.args[0] == f) for f in functions
+            f.get_name(): max(len(d.args) - 1 for d in derivatives if d.args[0] == f)
+            for f in functions
         }
 
     @property
@@ -296,13 +297,14 @@ class DerivedEquations:
         ``EngineLimit`` where it is cut off, for brackets grow too large; its beginning is
         ``distribution.growth``.
         """
-        found = self.distribution
-        if found.cut:
+        distribution = self.distribution
+        if distribution.cut:
             raise EngineLimit(
                 f"system '{self.system.name}': brackets grow too large after the "
-                f"dimensions {found.growth} of {found.dimension}; distribution.growth has these"
+                f"dimensions {distribution.growth} of {distribution.dimension}; "
+                "distribution.growth has these"
             )
-        return found.growth
+        return distribution.growth
 
     @property
     def integrable(self) -> tuple[sp.Expr, ...]:

@@ -63,8 +63,10 @@ def grow(
             return Distribution(space.flag(dimension), dimension, timed)
     space = FieldSpace(exact(), timed)
     independent = partial(generic_rows, relations=relations, bits=BRACKETS)
-    found = close_under_brackets(space.fields, space.fields, space.bracket, independent, dimension)
-    return Distribution(found.growth, dimension, timed, found.made is None)
+    closure = close_under_brackets(
+        space.fields, space.fields, space.bracket, independent, dimension
+    )
+    return Distribution(closure.growth, dimension, timed, closure.made is None)
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,13 @@ ON_RELATIONS = 1e-9
 def jets(system: System) -> dict[str, Any]:
     """The inputs and their rates in the engine's symbols, by the names under which values are
     given."""
-    clock, found = se.Symbol(plain_name(time)), {}
+    clock, functions = se.Symbol(plain_name(time)), {}
     for u in map(plain_name, system.inputs):
         function = se.Function(u)(clock)
         for order in range(RATES):
-            found[u + "dot" * order] = function
+            functions[u + "dot" * order] = function
             function = function.diff(clock)
-    return found
+    return functions
 
 
 def _check(system: System, name: str, value: Any) -> Any:

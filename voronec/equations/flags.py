@@ -55,11 +55,11 @@ def flag(
     motions = _Motions(fields, start, bracket, rates, variables)
     steps = FIRST
     while True:
-        found = _dimensions(motions, steps)
-        if full in found or found[-1] == found[-2]:
-            return tuple(found[: found.index(found[-1]) + 1])
-        pace = (found[-1] - found[0]) / steps
-        steps += ceil((full - found[-1]) / pace)
+        dimensions = _dimensions(motions, steps)
+        if full in dimensions or dimensions[-1] == dimensions[-2]:
+            return tuple(dimensions[: dimensions.index(dimensions[-1]) + 1])
+        pace = (dimensions[-1] - dimensions[0]) / steps
+        steps += ceil((full - dimensions[-1]) / pace)
 
 
 def _dimensions(motions: _Motions, steps: int) -> list[int]:
@@ -72,9 +72,9 @@ def _dimensions(motions: _Motions, steps: int) -> list[int]:
         for r in range(steps + 1):
             spans[r] += vectors[r]
             brackets[r] += further[r - 1] if r else []
-        found = _ranks(spans)
-        if found == _ranks([a + b for a, b in zip(spans, brackets, strict=True)]):
-            return found
+        dimensions = _ranks(spans)
+        if dimensions == _ranks([a + b for a, b in zip(spans, brackets, strict=True)]):
+            return dimensions
     raise AssertionError
 
 
@@ -117,26 +117,33 @@ class _Motions:
 
     def _draw_point(self, exprs: Sequence[Any]) -> list[Any]:
         """Values of all symbols, and of the functions of angles that are returned."""
-        found = Generators()
-        found.scan(exprs)
-        strange = [*found.radicals, *found.units, *found.exponents, *found.tangents]
-        strange += [a for a in found.atoms if not isinstance(a, se.Symbol)]
-        strange += [a for a in found.angles if not isinstance(a, se.Symbol)]
+        generators = Generators()
+        generators.scan(exprs)
+        strange = [
+            *generators.radicals,
+            *generators.units,
+            *generators.exponents,
+            *generators.tangents,
+        ]
+        strange += [a for a in generators.atoms if not isinstance(a, se.Symbol)]
+        strange += [a for a in generators.angles if not isinstance(a, se.Symbol)]
         angles = {node.args[0] for node in nodes(exprs) if isinstance(node, TRIGONOMETRIC)}
         folds = {a: linear_terms(a) for a in sorted(angles, key=str)}
-        strange += [a for a, terms in folds.items() if not terms.keys() <= found.angles.keys()]
+        strange += [a for a, terms in folds.items() if not terms.keys() <= generators.angles.keys()]
         if strange:
             raise EngineLimit(f"'{strange[0]}' has no residues modulo a prime")
-        symbols = sorted({*found.atoms, *found.angles}, key=str)
+        symbols = sorted({*generators.atoms, *generators.angles}, key=str)
         self._point = {x: self._draw() for x in symbols}
-        letters = {unit: se.Symbol(f"angle {i}") for i, unit in enumerate(found.angles)}
+        letters = {unit: se.Symbol(f"angle {i}") for i, unit in enumerate(generators.angles)}
         turns = {}
         for letter in letters.values():
             half = self._draw()
             turns[se.cos(letter)] = (1 - half**2) / (1 + half**2)
             turns[se.sin(letter)] = 2 * half / (1 + half**2)
         for angle, terms in folds.items():
-            folded = sp.Add(*(c * found.angles[unit] * letters[unit] for unit, c in terms.items()))
+            folded = sp.Add(
+                *(c * generators.angles[unit] * letters[unit] for unit, c in terms.items())
+            )
             cosine, sine = (se.sympify(sp.expand_trig(f(folded))) for f in (sp.cos, sp.sin))
             values = Tape([cosine, sine, sine / cosine], turns).run(turns, _residue)
             functions = [f(angle) for f in (se.cos, se.sin, se.tan)]
@@ -157,7 +164,10 @@ class _Motions:
         ]
         orders = [range(r * block, r * (block + degree) + 1) for r in range(steps + 1)]
         spans, brackets = (
-            [[[int(e.poly[first + k]) for e in y] for y in fields for k in own] for own in orders]
+            [
+                [[int(e.poly[first + k]) for e in y] for y in fields for k in powers]
+                for powers in orders
+            ]
             for fields, first in ((plain, 0), (changes, end))
         )
         return spans, brackets
@@ -185,8 +195,8 @@ class _Motions:
         slopes = _rows(self._along(self._slopes, at, controls), self._size)
         for _ in range(steps):
             back = [
-                [e - _dot(row, x).integral() for e, x in zip(own, slopes, strict=True)]
-                for own, row in zip(first, back, strict=True)
+                [e - _dot(row, x).integral() for e, x in zip(entries, slopes, strict=True)]
+                for entries, row in zip(first, back, strict=True)
             ]
         carried = _rows(self._run(self._carried, at, end), self._size)
         return [[_dot(row, x) for row in back] for x in carried]

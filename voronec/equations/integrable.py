@@ -57,26 +57,26 @@ def integrate(
         return [[e.diff(q) for e in c] for q in variables for c in zip(*rows, strict=True)]
 
     def brackets(rows: Rows, fields: Rows) -> Rows:
-        found = [space.bracket(tuple(x), tuple(y)) for x, y in combinations(fields, 2)]
-        return [[dot(w, b) for w in rows] for b in found]
+        vectors = [space.bracket(tuple(x), tuple(y)) for x, y in combinations(fields, 2)]
+        return [[dot(w, b) for w in rows] for b in vectors]
 
-    own = [row for row in given if plain and most and _is_closed(row, variables, relations)]
+    closed = [row for row in given if plain and most and _is_closed(row, variables, relations)]
     forms: Rows = []
     columns: list[int] = []
     for defects in (slopes_of, brackets) if plain else (brackets,):
-        if len(_enlargement(bound, own, relations)) < most:
+        if len(_enlargement(bound, closed, relations)) < most:
             forms, columns = _flag([*given, *bound], definition.base, defects, relations)
-            own += [without_denominators(row, relations) for row in forms]
-    own = _enlargement(bound, own, relations)
+            closed += [without_denominators(row, relations) for row in forms]
+    closed = _enlargement(bound, closed, relations)
     functions: list[Any] = []
     slopes = bound
-    for f in _functions(own, forms, columns, variables, relations) if plain else ():
+    for f in _functions(closed, forms, columns, variables, relations) if plain else ():
         slope = [f.diff(x) for x in variables]
         if _enlargement(slopes, [slope], relations):
             functions.append(f)
             slopes = [*slopes, slope]
-    last = _enlargement(slopes, own, relations)
-    ordered = [*(row for row in own if row not in last), *last]
+    last = _enlargement(slopes, closed, relations)
+    ordered = [*(row for row in closed if row not in last), *last]
     return [dot(row, (*definition.dots, se.Integer(1))) for row in ordered], functions
 
 
@@ -93,10 +93,10 @@ def _flag(
     while rows:
         rows, units = _echelon_form(rows, base, relations)
         fields = null_vectors(rows, units, relations)
-        found = _shortest(defects(rows, fields), relations)
-        kept = _enlargement([], found, relations)
+        shortened = _shortest(defects(rows, fields), relations)
+        kept = _enlargement([], shortened, relations)
         if not kept:
-            if all_vanish([e for row in found for e in row], relations):
+            if all_vanish([e for row in shortened for e in row], relations):
                 break
             raise EngineLimit("which combinations of the constraints integrate is undecided")
         pivots = generic_rows([list(column) for column in zip(*kept, strict=True)], relations)
@@ -170,15 +170,15 @@ def _potential(row: list[Any], variables: Sequence[Any], relations: Sequence[Any
     """The function that has a row for its slopes, if it is found: one along each coordinate."""
     if not _is_closed(row, variables, relations):
         return
-    found = se.Integer(0)
+    potential = se.Integer(0)
     for e, x in zip(row, variables, strict=True):
-        (rest,) = shortest([e - found.diff(x)], relations)
-        found += _primitive(rest, x)
+        (rest,) = shortest([e - potential.diff(x)], relations)
+        potential += _primitive(rest, x)
     pairs = zip(row, variables, strict=True)
-    if not found.has(se.nan) and all(
-        decide_zero(e - found.diff(x), relations).proved for e, x in pairs
+    if not potential.has(se.nan) and all(
+        decide_zero(e - potential.diff(x), relations).proved for e, x in pairs
     ):
-        yield found
+        yield potential
 
 
 def _primitive(f: Any, x: Any) -> Any:
@@ -189,8 +189,8 @@ def _primitive(f: Any, x: Any) -> Any:
     f = sp.expand(f)
     if sp.count_ops(f) > LONG:
         return se.nan
-    found = manualintegrate(f, as_expression(x)).xreplace(names)
-    return se.nan if found.has(sp.Integral, sp.Piecewise) else se.sympify(found)
+    integral = manualintegrate(f, as_expression(x)).xreplace(names)
+    return se.nan if integral.has(sp.Integral, sp.Piecewise) else se.sympify(integral)
 
 
 def _exponential(power: sp.Matrix) -> Iterable[list[Any]]:

@@ -48,7 +48,7 @@ def angle_cuts(
     the rate of what is constant on either side, or one of ``forms``, named, or its derivative by a
     velocity, to jump at all, while conditions hold."""
     held = {*coordinates}
-    found: dict[Any, AngleCut] = {}
+    cuts: dict[Any, AngleCut] = {}
     for place, expr in (("the Lagrangian", lagrangian), *forms):
         if not any(n.free_symbols & held for n in nodes([expr]) if isinstance(n, _ARCS)):
             continue
@@ -57,8 +57,8 @@ def angle_cuts(
             if expr is lagrangian:
                 kicks = _kicks(jump, switch, (*coordinates, time), velocities)
             if switch.free_symbols & held and any(_differs(e, switch, conditions) for e in kicks):
-                found.setdefault((switch, side), AngleCut(place, switch, side))
-    return tuple(found.values())
+                cuts.setdefault((switch, side), AngleCut(place, switch, side))
+    return tuple(cuts.values())
 
 
 def _kicks(jump: Any, switch: Any, places: Sequence[Any], velocities: Sequence[Any]) -> list[Any]:

@@ -70,13 +70,13 @@ def expand(
 
 
 def _expand(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> FirstOrder:
-    found = known.get(expr)
-    if found is None:
-        found = _first_order(expr, known, point)
-        if any(part in _NOT_FINITE for part in (found[0], *found[0].args)):
+    expansion = known.get(expr)
+    if expansion is None:
+        expansion = _first_order(expr, known, point)
+        if any(part in _NOT_FINITE for part in (expansion[0], *expansion[0].args)):
             raise EngineLimit(f"'{expr}' has no finite value at the point")
-        known[expr] = found
-    return found
+        known[expr] = expansion
+    return expansion
 
 
 def _first_order(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -> FirstOrder:
@@ -163,8 +163,8 @@ def _height(expr: Any, known: dict[Any, FirstOrder], point: Mapping[Any, Any]) -
     if not (root or isinstance(expr, (se.Add, se.Mul))):
         return None
     heights = [_height(a, known, point) for a in expr.args]
-    found = None if any(h is None for h in heights) else expr.func(*heights)
-    return None if found in _NOT_FINITE else found
+    height = None if any(h is None for h in heights) else expr.func(*heights)
+    return None if height in _NOT_FINITE else height
 
 
 def _is_bounded(expr: Any, known: dict[Any, Any], point: Mapping[Any, Any]) -> bool:
@@ -279,10 +279,10 @@ class Linearisation:
             matrix = mp.matrix(size, size)
             for k, ball in enumerate(balls):
                 matrix[k // size, k % size] = middle(ball)
-            found = mp.eig(matrix, left=False, right=False)
-            found = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + CHOP))) for e in found]
+            spectrum = mp.eig(matrix, left=False, right=False)
+            spectrum = [mp.mpc(mp.chop(e, mp.mpf(10) ** -(digits + CHOP))) for e in spectrum]
         with mp.workdps(digits):
-            return sorted((+e for e in found), key=lambda e: (e.real, e.imag))
+            return sorted((+e for e in spectrum), key=lambda e: (e.real, e.imag))
 
     @cached_property
     def _tape(self) -> Tape:
@@ -352,18 +352,20 @@ def _about(
     write: Callable[[Sequence[Any]], list[Any]],
     angles_last: bool,
 ) -> Linearisation:
-    own, form = d.definition, d.form
-    inputs = [u for u in jets(equations.system).values() if u in own.inputs or _holds(form, u)]
-    variables = [*own.coordinates, *own.velocities, *inputs]
+    definition, form = d.definition, d.form
+    inputs = [
+        u for u in jets(equations.system).values() if u in definition.inputs or _holds(form, u)
+    ]
+    variables = [*definition.coordinates, *definition.velocities, *inputs]
     mass = [e for row in form.mass for e in row]
-    exprs = write([*form.rates, *form.force, *mass, *own.relations])
-    late = _late(own.parameters, _angles(exprs) if angles_last else (), point)
+    exprs = write([*form.rates, *form.force, *mass, *definition.relations])
+    late = _late(definition.parameters, _angles(exprs) if angles_last else (), point)
     point = {x: value for x, value in point.items() if x not in late}
     if late:  # corners and infinite values are seen by the values alone
         expand(exprs, variables, {**point, **late})
         exprs = _beside_steps(exprs, {**point, **late})
     rows = expand(exprs, variables, point)
-    k, n, width = len(own.coordinates), len(own.velocities), len(variables)
+    k, n, width = len(definition.coordinates), len(definition.velocities), len(variables)
     table = [rows[k + n + i * n : k + n + (i + 1) * n] for i in range(n)]
     _require_relations(equations, [value.xreplace(late) for value, _ in rows[k + n + n * n :]])
     kept, spread = _independent(rows[k + n + n * n :], k)
@@ -371,7 +373,7 @@ def _about(
     chained = [_chain_slopes(_row(rows[i], width), spread, k) for i in kept]
     chained += [_chain_slopes(row, spread, k) for row in slopes]
     values = [*(rows[i][0] for i in kept), *vdot]
-    flat = _tidy([e for row in chained for e in row] + values, point, own.relations, late)
+    flat = _tidy([e for row in chained for e in row] + values, point, definition.relations, late)
     if any(part in _NOT_FINITE for e in flat for part in (e, *e.args)) or _divides_by_zero(flat):
         raise EngineLimit("the mass matrix is singular there, or a formula divides by zero")
     out = [equations.bridge.outward(e) for e in flat]

@@ -103,10 +103,10 @@ class MechanicsForm:
         names = {name: x for x, name in self._names.items()}
         given = (op_point or {}).items()
         at = {names.get(x, x): value for x, value in given if not isinstance(x, sp.Derivative)}
-        found = linearise(self.equations, at)
-        inputs = sp.Matrix([self._names.get(w, w) for w in found.inputs])
-        parts = (self._name_rates(found.A), self._name_rates(found.B), inputs)
-        return parts if A_and_B else (sp.eye(len(found.state)), *parts)
+        linearisation = linearise(self.equations, at)
+        inputs = sp.Matrix([self._names.get(w, w) for w in linearisation.inputs])
+        parts = (self._name_rates(linearisation.A), self._name_rates(linearisation.B), inputs)
+        return parts if A_and_B else (sp.eye(len(linearisation.state)), *parts)
 
     def kindiffdict(self) -> dict[sp.Expr, sp.Expr]:
         """The rate of each coordinate -> what it is in terms of the speeds."""

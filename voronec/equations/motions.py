@@ -63,23 +63,25 @@ class Motions:
     @cached_property
     def on_invariants(self) -> VectorField:
         """The field on invariants and velocities."""
-        found, bridge = self.reduction, self.equations.bridge
-        own = self.equations.definition
+        reduction, bridge = self.reduction, self.equations.bridge
+        definition = self.equations.definition
         return VectorField(
             system=self.system,
             level="invariants",
             bridge=bridge,
-            positions=tuple(bridge.inward(g) for g in found.invariants),
-            velocities=own.velocities,
-            time=own.time,
-            parameters=own.parameters,
-            rates=tuple(bridge.inward_all(found.rates)),
-            mass=tuple(tuple(bridge.inward_all(found.mass.row(i))) for i in range(found.mass.rows)),
-            force=tuple(bridge.inward_all(found.force)),
-            relations=tuple(bridge.inward_all(found.relations)),
+            positions=tuple(bridge.inward(g) for g in reduction.invariants),
+            velocities=definition.velocities,
+            time=definition.time,
+            parameters=definition.parameters,
+            rates=tuple(bridge.inward_all(reduction.rates)),
+            mass=tuple(
+                tuple(bridge.inward_all(reduction.mass.row(i))) for i in range(reduction.mass.rows)
+            ),
+            force=tuple(bridge.inward_all(reduction.force)),
+            relations=tuple(bridge.inward_all(reduction.relations)),
             meaning={},
-            determinant=own.determinant,
-            conditions=own.conditions,
+            determinant=definition.determinant,
+            conditions=definition.conditions,
         )
 
     def at(self, level: str) -> VectorField:

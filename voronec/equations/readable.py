@@ -147,11 +147,11 @@ class ReadableEquations:
         parts = [("motion of the coordinates", self.rates)] if self.rates else []
         parts.append((self.heading, tuple((row.left, row.right) for row in self.rows)))
         parts += [("where", self.names)] if self.names else []
-        found: list[str] = []
+        layout: list[str] = []
         for head, pairs in parts:
             texts = ((self.alphabet.text(a), self.alphabet.text(b)) for a, b in pairs)
-            found += ["", head, *equation_lines(texts, width)]
-        return found[1:]
+            layout += ["", head, *equation_lines(texts, width)]
+        return layout[1:]
 
     def latex(self, environment: str) -> str:
         """A LaTeX block: ``align``, or ``aligned`` inside of a formula."""
@@ -184,9 +184,9 @@ class ReadableEquations:
 
 def equation_rows(pairs: Iterable[tuple[str, str]]) -> list[str]:
     """Left and right sides as lines, aligned but for left sides that are long."""
-    found = [*pairs]
-    wide = max((len(left) for left, _ in found if len(left) <= LONGEST_LEFT_SIDE), default=0)
-    return [f"  {left.ljust(wide)} = {right}" for left, right in found]
+    sides = [*pairs]
+    wide = max((len(left) for left, _ in sides if len(left) <= LONGEST_LEFT_SIDE), default=0)
+    return [f"  {left.ljust(wide)} = {right}" for left, right in sides]
 
 
 def equation_lines(pairs: Iterable[tuple[str, str]], width: int) -> list[str]:
@@ -256,8 +256,10 @@ class FormSearch:
             for place, thing in enumerate(things):
                 self.ranks.setdefault(thing, (kind, place))
         self.alphabet = Alphabet(self._rank, self._text, self._latex, MOST)
-        own = {str(s) for e in (*form.expressions, *self.ranks) for s in se.sympify(e).free_symbols}
-        self.taken = own | {plain_name(s) for s in self.equations.system.known_symbols()}
+        names = {
+            str(s) for e in (*form.expressions, *self.ranks) for s in se.sympify(e).free_symbols
+        }
+        self.taken = names | {plain_name(s) for s in self.equations.system.known_symbols()}
         self.taken |= {f"{name}dot" for name in self.taken} | {"t"}
 
     def _rank(self, atom: Any) -> tuple[int, int]:
@@ -362,9 +364,9 @@ class FormSearch:
             for other, least in chain.from_iterable(move(draft) for move in moves):
                 if self._spend():
                     break
-                found = self.length(other)
-                if found <= length - least:
-                    draft, length, moved = other, found, True
+                size = self.length(other)
+                if size <= length - least:
+                    draft, length, moved = other, size, True
                     break
         return draft
 
@@ -403,11 +405,11 @@ class FormSearch:
                 other = {times(m, ((i, 1),), -1): c for m, c in rest.items()}
                 if len(rest) > 2 * TRIES and self._flat_length(other) > self._flat_length(rest):
                     break
-                found = self._sides(place, other)
+                sides = self._sides(place, other)
                 whole = all(m.get(i, 0) > 0 for m in led)
-                if found[0] > best[0] - (1 if whole else GAIN):
+                if sides[0] > best[0] - (1 if whole else GAIN):
                     break
-                rest, best, factor = other, found, times(factor, ((i, 1),))
+                rest, best, factor = other, sides, times(factor, ((i, 1),))
         length, left, right, sign = best
         return length, EquationRow(left, right, over(sign, number), times((), factor, -1))
 
@@ -416,11 +418,13 @@ class FormSearch:
         left = {m: c for m, c in rest.items() if self._leads(m)}
         right = {m: -c for m, c in rest.items() if m not in left}
         letters = self.alphabet.letters
-        own = [m for m in left if any(letters[i].rank == (ACCELERATION, place) for i, _ in m)]
+        leading = [m for m in left if any(letters[i].rank == (ACCELERATION, place) for i, _ in m)]
         still = [
-            m for m in own if not any(COORDINATE <= letters[i].rank[0] < ACCELERATION for i, _ in m)
+            m
+            for m in leading
+            if not any(COORDINATE <= letters[i].rank[0] < ACCELERATION for i, _ in m)
         ]
-        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or own or left) < 0 else 1
+        sign = -1 if sum(1 if left[m] > 0 else -1 for m in still or leading or left) < 0 else 1
         left, right = ({m: sign * c for m, c in p.items()} for p in (left, right))
         sides = [self.alphabet.arrange(p) for p in (left, right)]
         if any(len(self.alphabet.text((product,))) > WIDTH - 8 for product in sides[0]):
@@ -438,15 +442,15 @@ class FormSearch:
     def _identities(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts with an identity used wherever that makes a sum shorter."""
         for rule in [*self._rules(draft)]:
-            found = self._rewrite(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
+            rewritten = self._rewrite(draft, lambda terms: self._shorter(rule, terms), {})  # noqa: B023
             if rule.kinematic:
-                found = found._replace(rates=draft.rates)
-            if found != draft:
-                yield found, 1
+                rewritten = rewritten._replace(rates=draft.rates)
+            if rewritten != draft:
+                yield rewritten, 1
 
     def _shorter(self, rule: Rule, terms: Terms) -> Terms:
-        found = self.apply_rule(rule, terms)
-        return found if self._flat_length(found) < self._flat_length(terms) else terms
+        changed = self.apply_rule(rule, terms)
+        return changed if self._flat_length(changed) < self._flat_length(terms) else terms
 
     def _flat_length(self, terms: Terms) -> int:
         """About how many characters a sum has where it is written out."""
@@ -460,11 +464,11 @@ class FormSearch:
             return add(mul(quotient, rule.value), rest) if quotient else terms
         (head,) = rule.terms
         for _ in range(3):
-            found = [m for m in terms if _divides(head, m)]
-            if not found:
+            divisible = [m for m in terms if _divides(head, m)]
+            if not divisible:
                 break
-            rest = {m: c for m, c in terms.items() if m not in found}
-            terms = add(rest, *(mul({times(m, head, -1): terms[m]}, rule.value) for m in found))
+            rest = {m: c for m, c in terms.items() if m not in divisible}
+            terms = add(rest, *(mul({times(m, head, -1): terms[m]}, rule.value) for m in divisible))
         return terms
 
     def _rules(self, draft: Draft) -> Iterator[Rule]:
@@ -500,18 +504,18 @@ class FormSearch:
     def _names(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts with a name for a sum that stands in brackets, or is divided by."""
         counts: Counter[Any] = Counter()
-        found: dict[Any, Terms] = {}
+        sums: dict[Any, Terms] = {}
         for terms in self._brackets(draft):
             _, _, rest = self.alphabet.primitive(terms)
             if len(rest) > 1 and not any(map(self._leads, rest)):
                 key = frozenset(rest.items())
-                found[key] = rest
+                sums[key] = rest
                 counts[key] += 1
-        length = {key: self._length(found[key]) for key, count in counts.items() if count > 1}
+        length = {key: self._length(sums[key]) for key, count in counts.items() if count > 1}
         for key in sorted(length, key=lambda key: (-counts[key] * length[key], length[key]))[
             :TRIES
         ]:
-            yield self._with_name(draft, found[key]), GAIN
+            yield self._with_name(draft, sums[key]), GAIN
 
     def _brackets(self, draft: Draft) -> Iterator[Terms]:
         """The sums in brackets, as often as they stand."""
@@ -552,18 +556,18 @@ class FormSearch:
                 for m, c in sum_.items()
             }
 
-        found = self._rewrite(draft, change, {})
-        return found._replace(names=(*found.names, (letter, terms)))
+        rewritten = self._rewrite(draft, change, {})
+        return rewritten._replace(names=(*rewritten.names, (letter, terms)))
 
     def _rewrite(self, draft: Draft, change: Any, swaps: dict[int, int]) -> Draft:
         """A draft with all of its sums changed and letters swapped, inside of letters too."""
         alphabet, known = self.alphabet, dict(swaps)
 
         def whole(terms: Terms) -> Terms:
-            found = change(terms)
-            if all(swap(i) == i for m in found for i, _ in m):
-                return found
-            return {times((), tuple((swap(i), e) for i, e in m)): c for m, c in found.items()}
+            changed = change(terms)
+            if all(swap(i) == i for m in changed for i, _ in m):
+                return changed
+            return {times((), tuple((swap(i), e) for i, e in m)): c for m, c in changed.items()}
 
         def swap(i: int) -> int:
             if i not in known:
@@ -600,7 +604,7 @@ class FormSearch:
     def _monomials(self, draft: Draft) -> Iterator[tuple[Draft, int]]:
         """Drafts with a name for factors that often stand together."""
         letters = self.alphabet.letters
-        found = [
+        powers = [
             {
                 (f.base, f.exponent)
                 for f in product.factors
@@ -609,13 +613,13 @@ class FormSearch:
             for product in self._products(draft)
         ]
         counts: Counter[Monomial] = Counter()
-        for a, b in combinations(found, 2):
+        for a, b in combinations(powers, 2):
             if len(both := a & b) > 1:
                 counts[tuple(sorted(both))] += 1
         gains = {}
         for m, _ in counts.most_common(2 * TRIES):
             width = self._length({m: ONE})
-            gains[m] = (sum(set(m) <= one for one in found) - 1) * (width - 1) - 4
+            gains[m] = (sum(set(m) <= one for one in powers) - 1) * (width - 1) - 4
         for m in sorted((m for m in gains if gains[m] > GAIN), key=lambda m: -gains[m])[:TRIES]:
             yield self._with_name(draft, {m: ONE}), 5 * GAIN
 
@@ -649,10 +653,10 @@ class FormSearch:
                 for i, meaning in zip(used, meanings, strict=True)
                 if isinstance(meaning, TRIGONOMETRIC) and meaning.args[0] == stand_in
             }
-            found = self._rewrite(draft, _same, swaps)
+            rewritten = self._rewrite(draft, _same, swaps)
             letter = self.alphabet.index(name)
             terms = self.alphabet.read(known[stand_in])
-            yield found._replace(names=(*found.names, (letter, terms))), GAIN
+            yield rewritten._replace(names=(*rewritten.names, (letter, terms))), GAIN
 
     # -- proof --------------------------------------------------------------------------------
 
@@ -712,8 +716,8 @@ class FormSearch:
     def arrange_rows(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
         """Expressions arranged as the equations are, and what is named in them alone."""
         with suppress(EngineLimit):
-            if found := self._proved_texts(given):
-                return found
+            if texts := self._proved_texts(given):
+                return texts
         return [[(name, caret_text(e)) for name, e in given.items()], []]
 
     def _proved_texts(self, given: dict[str, Any]) -> list[list[tuple[str, str]]]:
@@ -737,11 +741,11 @@ class FormSearch:
         )
         if not all(map(self._vanishes, proofs)):
             return []
-        text, own = alphabet.text, nesting.read_in_order(sides)
-        below = [(alphabet.letter_text(i), text(nesting.definitions[i])) for i in own]
+        text, ordered = alphabet.text, nesting.read_in_order(sides)
+        below = [(alphabet.letter_text(i), text(nesting.definitions[i])) for i in ordered]
         return [
             [*zip(given, map(text, sides), strict=True)],
-            [pair for i, pair in zip(own, below, strict=True) if i not in names],
+            [pair for i, pair in zip(ordered, below, strict=True) if i not in names],
         ]
 
     def depth_of(self, names: Iterable[tuple[int, Sum]]) -> BracketDepth:

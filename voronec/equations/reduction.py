@@ -110,20 +110,20 @@ def descend(
     targets += [derivation.connection.flow_derivative(g, derivation.rates) for g in inside]
     targets, ring, group = _ring_of_invariants(eqs, targets, inside, tags)
     moving = _coordinate_generators(ring, eqs.definition.coordinates)
-    found = []
+    entries = []
     for label, target in zip(labels, targets, strict=True):
         element = ring.fraction(target)
         if not _free_of(ring, element, moving):
             _refuse(eqs, label, target, inside)
-        found.append(eqs.bridge.outward(expression(ring, element, group)))
+        entries.append(eqs.bridge.outward(expression(ring, element, group)))
     return Reduction(
         system=eqs.system,
         invariants=tuple(sp.Symbol(name) for name in chosen),
         definitions=tuple(as_expression(g) for g in chosen.values()),
         velocities=eqs.velocities,
-        mass=sp.ImmutableMatrix(n, n, found[: n * n]),
-        force=sp.ImmutableMatrix(n, 1, found[n * n : n * n + n]),
-        rates=sp.ImmutableMatrix(len(tags), 1, found[n * n + n :]),
+        mass=sp.ImmutableMatrix(n, n, entries[: n * n]),
+        force=sp.ImmutableMatrix(n, 1, entries[n * n : n * n + n]),
+        rates=sp.ImmutableMatrix(len(tags), 1, entries[n * n + n :]),
         relations=_relations_among(eqs, ring, moving),
     )
 

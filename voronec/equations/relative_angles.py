@@ -93,12 +93,12 @@ class RelativeAngles:
 
 def turn(expr: Any, values: Mapping[Any, Any]) -> Any:
     """An expression with sums in the place of angles, multiplied out in sines and cosines."""
-    found = {
+    turned = {
         node: node.func(se.expand(node.args[0].xreplace(dict(values))))
         for node in atoms([expr], se.sin, se.cos)
         if not node.free_symbols.isdisjoint(values)
     }
-    return expr.xreplace(found).xreplace(dict(values))
+    return expr.xreplace(turned).xreplace(dict(values))
 
 
 def _slopes(exprs: Sequence[Any], angles: Sequence[Any]) -> np.ndarray | None:
@@ -140,12 +140,12 @@ def _before(angle: int, earlier: Sequence[int], holds: np.ndarray) -> int:
 def _outward(near: Mapping[Any, Sequence[Any]], first: Any) -> dict[Any, tuple[Any, int]]:
     """Each angle of a tree but the first, with the one on the way from it and the length of the
     way, in an order in which that one comes earlier."""
-    found, waiting = dict[Any, tuple[Any, int]](), [(first, None, 0)]
+    links, waiting = dict[Any, tuple[Any, int]](), [(first, None, 0)]
     for angle, other, depth in waiting:
         if depth:
-            found[angle] = other, depth
+            links[angle] = other, depth
         waiting += [(q, angle, depth + 1) for q in near[angle] if q != other]
-    return found
+    return links
 
 
 def _depth(way: Mapping[Any, tuple[Any, int]]) -> int:

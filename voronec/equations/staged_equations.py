@@ -79,11 +79,11 @@ class StagedSystem:
     @cached_property
     def moving_stages(self) -> frozenset[Any]:
         """Velocities, and stages that depend on them."""
-        found = set(self.definition.coordinate_velocities)
+        moving = set(self.definition.coordinate_velocities)
         for x in self.order:
-            if not found.isdisjoint(self.stages.definitions[x].free_symbols):
-                found.add(x)
-        return frozenset(found)
+            if not moving.isdisjoint(self.stages.definitions[x].free_symbols):
+                moving.add(x)
+        return frozenset(moving)
 
     def expression(self, x: Any) -> Any:
         """What a stage stands for; anything else is itself."""

@@ -133,9 +133,9 @@ class VectorField(EquationsOfMotion):
     @cached_property
     def _foreign(self) -> frozenset[Any]:
         """What moves with the system, but has no meaning on this level."""
-        own = {*self.variables, *self.momenta, self.determinant}
+        known = {*self.variables, *self.momenta, self.determinant}
         moving = moving_names(self.system.coordinates, self.system.frame)
-        return frozenset({*map(self.bridge.inward, moving)} - own)
+        return frozenset({*map(self.bridge.inward, moving)} - known)
 
     def _own(self, expr: Any) -> Any:
         """A function that holds nothing foreign: what moves must not pass for a constant."""
@@ -182,20 +182,20 @@ class VectorField(EquationsOfMotion):
         dF/dv . mass^-1 force is computed as y . force with mass y = dF/dv [Theory, eq. (14)]; of an
         energy y is v.
         """
-        found = [self.at_rest(f) for f in functions]
+        rates = [self.at_rest(f) for f in functions]
         slopes = [self._slopes(f) for f in functions]
         moving = [k for k, row in enumerate(slopes) if any(s != 0 for s in row)]
         momenta = slopes[moving[0]] if len(moving) == 1 else ()
         if momenta and is_product(momenta, self.mass, self.velocities, self.hypotheses):
             power = [v * f for v, f in zip(self.velocities, self.force, strict=True)]
-            found[moving[0]] = se.Add(found[moving[0]], *power)
+            rates[moving[0]] = se.Add(rates[moving[0]], *power)
         elif moving:
             columns = zip(*[slopes[k] for k in moving], strict=True)
             solved = self.solve([list(row) for row in columns])
             for column, k in enumerate(moving):
                 pushed = [row[column] * f for row, f in zip(solved, self.force, strict=True)]
-                found[k] = se.Add(found[k], *pushed)
-        return found
+                rates[k] = se.Add(rates[k], *pushed)
+        return rates
 
     def at_rest(self, function: Any) -> Any:
         """The part of d/dt that holds no acceleration."""
@@ -267,10 +267,10 @@ def for_numbers(equations: DerivedEquations) -> VectorField:
 
 def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
     bridge = equations.bridge
-    own = d.definition
+    definition = d.definition
     rates = tuple(d.rates)
-    meaning = dict(zip(own.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
-    for v in own.velocities:
+    meaning = dict(zip(definition.coordinate_velocities, rates, strict=True)) | dict(d.dependent)
+    for v in definition.velocities:
         meaning.pop(v, None)
     for name, g in equations.system.invariants.items():
         meaning[se.Symbol(name)] = bridge.inward(g)
@@ -278,21 +278,21 @@ def _field(equations: DerivedEquations, d: Derivation) -> VectorField:
         system=equations.system,
         level="coordinates",
         bridge=bridge,
-        positions=own.coordinates,
-        velocities=own.velocities,
-        time=own.time,
-        parameters=own.parameters,
+        positions=definition.coordinates,
+        velocities=definition.velocities,
+        time=definition.time,
+        parameters=definition.parameters,
         rates=rates,
         mass=tuple(map(tuple, d.mass)),
         force=tuple(d.force),
-        relations=own.relations,
+        relations=definition.relations,
         meaning=meaning,
-        dots=tuple(own.coordinate_velocities),
-        definitions=dict(zip(own.velocities, d.definitions, strict=True)),
+        dots=tuple(definition.coordinate_velocities),
+        definitions=dict(zip(definition.velocities, d.definitions, strict=True)),
         momenta=dict(d.named_momenta),
-        determinant=own.determinant,
+        determinant=definition.determinant,
         turning=d.group_terms,
-        conditions=own.conditions,
+        conditions=definition.conditions,
     )
 
 

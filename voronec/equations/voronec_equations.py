@@ -88,11 +88,11 @@ def _too_large(eqs: VoronecEquations, form: ReadableEquations | None) -> list[st
 
 def _distribution_rows(eqs: VoronecEquations) -> Iterator[str]:
     """How the distribution of the constraints grows, and what of them integrates."""
-    found = eqs.distribution
-    more = ", ... (cut off at its budget)" if found.cut else ""
-    growth = "(" + ", ".join(map(str, found.growth)) + more + ")"
-    timed = ", the time included" if found.timed else ""
-    yield _fact("growth vector", f"{growth} of {found.dimension}{timed}")
+    distribution = eqs.distribution
+    more = ", ... (cut off at its budget)" if distribution.cut else ""
+    growth = "(" + ", ".join(map(str, distribution.growth)) + more + ")"
+    timed = ", the time included" if distribution.timed else ""
+    yield _fact("growth vector", f"{growth} of {distribution.dimension}{timed}")
     for label, text in _integrable_rows(eqs):
         yield _fact(label, text)
 
@@ -131,10 +131,10 @@ def _integrable_rows(eqs: VoronecEquations) -> list[tuple[str, str]]:
 
 def _texts_of_integrals(eqs: VoronecEquations) -> dict[str, Any]:
     """The combinations of the constraints that integrate and what they hold constant, as text."""
-    found: list[Any] = ["undecided", "undecided"]
+    texts: list[Any] = ["undecided", "undecided"]
     with suppress(EngineLimit):
-        found = [[*map(plain_text, part)] for part in (eqs.integrable, eqs.leaves)]
-    return dict(zip(("integrable_combinations", "held_constant"), found, strict=True))
+        texts = [[*map(plain_text, part)] for part in (eqs.integrable, eqs.leaves)]
+    return dict(zip(("integrable_combinations", "held_constant"), texts, strict=True))
 
 
 def _names(eqs: VoronecEquations) -> str:
@@ -144,14 +144,14 @@ def _names(eqs: VoronecEquations) -> str:
 def _curvature_lines(eqs: VoronecEquations, width: int) -> list[str]:
     """The components A_ij^(nu) and A_i^(nu) that do not vanish, by the names of coordinates."""
     base, fibres = eqs.definition.split
-    size, found = range(len(base)), dict[str, Any]()
+    size, components = range(len(base)), dict[str, Any]()
     for nu, fibre in enumerate(fibres):
-        found |= {
+        components |= {
             f"A^{fibre}[{base[i]}, {base[j]}]": eqs.curvature[nu, i, j]
             for i in size for j in size if i < j
         }  # fmt: skip
-        found |= {f"A^{fibre}[{base[i]}]": eqs.curvature.time[nu, i] for i in size}
-    rows, names = short_texts(eqs, {name: e for name, e in found.items() if e != 0})
+        components |= {f"A^{fibre}[{base[i]}]": eqs.curvature.time[nu, i] for i in size}
+    rows, names = short_texts(eqs, {name: e for name, e in components.items() if e != 0})
     length = sum(len(text) for _, text in (*rows, *names))
     if length > LONGEST:
         return [f"curvature  too large to print, {length} characters: see eqs.curvature"]
@@ -255,8 +255,8 @@ class VoronecEquations(DerivedEquations):
 
         form = with_choices(self.form, self.raw.form)
         forms = [form] if form is not self.form else [form, solved_form(self)]
-        found = [shorten_program(Program.of(f)) for f in forms if f is not None]
-        return min(found, key=lambda p: operation_count(p.derivative.expressions))
+        programs = [shorten_program(Program.of(f)) for f in forms if f is not None]
+        return min(programs, key=lambda p: operation_count(p.derivative.expressions))
 
     def python(self, jacobian: bool = False) -> str:
         """Python source, on numpy, of the first-order right-hand side: d(state)/dt as a function of

@@ -237,8 +237,8 @@ class LoneMotions:
             initial = motions.start_values(i)
         elif self.scene is not None:
             scene = replace(self.scene, inputs={})
-        own = (self.declared or motions.namespace.equations.system).parameter_names
-        constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in own}
+        names = (self.declared or motions.namespace.equations.system).parameter_names
+        constants = {name: float(x[i]) for name, x in motions.parameters.items() if name in names}
         return LoneStart(i, scene, initial, constants)
 
     def run(
@@ -336,8 +336,8 @@ def _enter(
     passages.errors.pop(i, None)
     if run.notes:
         passages.notes[i] = run.notes
-    passed, own = run.events[PLANE], passages.of[i]
-    own.parts, own.count, own.idle = [], 0, 0
+    passed, record = run.events[PLANE], passages.of[i]
+    record.parts, record.count, record.idle = [], 0, 0
     passages.steps += run.cost.steps
     # the plane's quantity may be an output itself
     plane = run.outputs[-1] if len(run.outputs) > width else label(level)
@@ -348,7 +348,7 @@ def _enter(
     fine = np.linspace(begin, end, INSTANTS)
     seen = run.within(fine)[plane]
     points = np.stack([passed[name] for name in run.outputs[:width]], axis=-1)[: passages.wanted]
-    own.alone = points.astype(float), run.drift
+    record.alone = points.astype(float), run.drift
     if len(t):
         h = STEP * (end - begin)
         sides = [run.within(np.clip(t + s * h, begin, end)) for s in (-1, 1)]

@@ -140,17 +140,17 @@ class PreparedProblem:
             return first_success(request.in_any_velocities(ways), start)
 
         try:
-            found = read.cuts.motion(go, read.outputs, read.functions, guards, grid)
+            trajectory = read.cuts.motion(go, read.outputs, read.functions, guards, grid)
         except IntegrationError as error:
             if error.trajectory is not None:
                 error.trajectory = _with_events(error.trajectory, guards)
             raise
-        found = _with_events(found, guards)
-        more = (*driven.notes, *_notes_of_cost(found.cost, tol))
-        if not more and found.system is self.system:
-            return found
-        notes = (*driven.notes, *found.notes, *more[len(driven.notes) :])
-        return replace(found, system=self.system, notes=notes)
+        trajectory = _with_events(trajectory, guards)
+        more = (*driven.notes, *_notes_of_cost(trajectory.cost, tol))
+        if not more and trajectory.system is self.system:
+            return trajectory
+        notes = (*driven.notes, *trajectory.notes, *more[len(driven.notes) :])
+        return replace(trajectory, system=self.system, notes=notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,9 +207,9 @@ def prepare(
     Raises ``DefinitionError`` for input that makes no sense.
     """
     what = system, scene, outputs, method, tol, events, project, dense, inputs
-    found = _problem_of(*what)
-    found._read(initial_given="default" not in found.system.scenes)
-    return found
+    problem = _problem_of(*what)
+    problem._read(initial_given="default" not in problem.system.scenes)
+    return problem
 
 
 @accepts(**PROBLEM_KINDS, **RUN_KINDS)
@@ -319,7 +319,7 @@ def _with_events(found: Trajectory, guards: Sequence[Guard]) -> Trajectory:
     if not (guards or found.events or found.stopped):
         return found
     names = {guard.name: guard.owner.name for guard in guards if guard.owner is not None}
-    events = {own: found.events[name] for name, own in names.items() if name in found.events}
+    events = {title: found.events[name] for name, title in names.items() if name in found.events}
     return replace(found, events=MappingProxyType(events), stopped=names.get(found.stopped, ""))
 
 
@@ -336,8 +336,8 @@ def _refuse_unknown_functions(system: System) -> None:
 def _unknown_functions(system: System) -> set[Any]:
     frame = system.frame.expressions if system.frame is not None else ()
     held = (system.lagrangian, *system.constraints, *system.forces.values(), *frame)
-    own = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
-    return {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - own
+    coordinates = {*system.coordinates, *(system.frame.ambient if system.frame is not None else ())}
+    return {f for e in held for f in as_expression(e).atoms(AppliedUndef)} - coordinates
 
 
 def _notes_of_cost(cost: Cost, tol: float) -> Iterator[str]:

@@ -116,8 +116,10 @@ class Multipliers:
         mass, still, rows, right = self._matrices(series, accelerations, precise)
         transposed = np.swapaxes(rows[:, : self.exact], 1, 2)
         if precise:
-            found = [_precise(*at) for at in zip(mass, still, rows, right, transposed, strict=True)]
-            solved = np.array(found, dtype=object).reshape(len(rows), -1)[:, : self.count]
+            solutions = [
+                _precise(*at) for at in zip(mass, still, rows, right, transposed, strict=True)
+            ]
+            solved = np.array(solutions, dtype=object).reshape(len(rows), -1)[:, : self.count]
             return solved, np.zeros(len(rows), dtype=bool)
         moved, unique = _least_squares(rows, right)
         moved = np.where(unique, moved, np.nan)
@@ -165,8 +167,8 @@ def reactions_of_state(equations: VoronecEquations, d: Definition) -> list[Any]:
     forms = [rows[k * n : k * n + n] for k in kept]
     gram = [[dot(a, b) for b in forms] for a in forms]
     right = [dot(row, applied) for row in forms]
-    found = dict(zip(kept, solve_symmetric(gram, right, se.sympify), strict=True))
-    raw = [found[k].xreplace(form.rates_by_velocity) for k in range(multipliers.count)]
+    reactions = dict(zip(kept, solve_symmetric(gram, right, se.sympify), strict=True))
+    raw = [reactions[k].xreplace(form.rates_by_velocity) for k in range(multipliers.count)]
     return [_shorter(equations, e) for e in raw]
 
 
@@ -190,8 +192,10 @@ def _accelerations(d: Definition, form: FirstOrderForm) -> list[Any]:
     slopes = solve_mass(form.mass, form.force, se.sympify, form.parameters)
     moving = dict(zip((*form.coordinates, *form.velocities), (*form.rates, *slopes), strict=True))
     known = form.rates_by_velocity
-    own = [se.sympify(known.get(w, w)).xreplace(known) for w in d.dots]
-    return [e.diff(form.time) + se.Add(*[e.diff(x) * f for x, f in moving.items()]) for e in own]
+    velocities = [se.sympify(known.get(w, w)).xreplace(known) for w in d.dots]
+    return [
+        e.diff(form.time) + se.Add(*[e.diff(x) * f for x, f in moving.items()]) for e in velocities
+    ]
 
 
 def _name(i: int) -> str:
@@ -216,8 +220,8 @@ def conditions_of(d: Definition) -> list[tuple[Any, ...]]:
     if d.frame is not None:
         forms += zip(d.frame.matrix, d.frame.offset, strict=True)
     else:
-        own = [[se.Integer(i == a) for a in range(len(d.dots))] for i in range(len(d.velocities))]
-        forms += [(row, se.Integer(0)) for row in own]
+        units = [[se.Integer(i == a) for a in range(len(d.dots))] for i in range(len(d.velocities))]
+        forms += [(row, se.Integer(0)) for row in units]
     return [(*row, offset) for row, offset in forms]
 
 
@@ -307,7 +311,7 @@ def _precise(
         try:
             moved = mp.lu_solve(mp.matrix(rows.tolist()), mp.matrix(right.tolist()))
             applied = mp.matrix(mass.tolist()) * moved + mp.matrix(still.tolist())
-            found = mp.lu_solve(mp.matrix(forms.tolist()), applied)
+            solution = mp.lu_solve(mp.matrix(forms.tolist()), applied)
         except (ValueError, ZeroDivisionError):
             return [mp.nan] * forms.shape[1]
-    return [+value for value in found]
+    return [+value for value in solution]

@@ -62,9 +62,9 @@ class StartData:
         initial: Values | None = None,
     ) -> StartData:
         """Scene and arguments put together; ``DefinitionError`` for names nobody knows."""
-        own, start = (scene.parameters, scene.initial) if scene else ({}, {})
+        constants, start = (scene.parameters, scene.initial) if scene else ({}, {})
         said = cls(
-            parameters=name_values(namespace, own, "parameter"),
+            parameters=name_values(namespace, constants, "parameter"),
             scene_initial=name_values(namespace, start, "initial value"),
             initial={},
         )
@@ -226,7 +226,7 @@ def spread_starts(
 
 def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
     """The arrays among some values, in numbers."""
-    found = {}
+    columns = {}
     for key, values in given.items():
         place = f"{role} '{quote(key)}'"
         try:
@@ -239,8 +239,8 @@ def _columns(given: Values, role: str) -> dict[Any, np.ndarray]:
             raise DefinitionError(f"{place}: give a number or a one-dimensional array")
         if column.dtype.kind not in "fiu":
             column = np.array([number(x, place) for x in column])
-        found[key] = column
-    return found
+        columns[key] = column
+    return columns
 
 
 GRID = (
@@ -290,17 +290,17 @@ CONFIGURATION = "configuration"
 def number(value: Any, place: str) -> float:
     """A finite real number as a double, or ``DefinitionError`` naming the place."""
     try:
-        found = float(value) if isinstance(value, float | int) else _double(value, place)
+        double = float(value) if isinstance(value, float | int) else _double(value, place)
     except (TypeError, ValueError, AttributeError):
-        found = math.nan
+        double = math.nan
     except OverflowError:
         raise DefinitionError(
             f"{place} = {quote_number(value)} is not a real number that a double holds"
         ) from None
-    if math.isfinite(found):
-        return found
+    if math.isfinite(double):
+        return double
     raise DefinitionError(
-        f"{place} = {quote(value)} is not {'finite' if math.isinf(found) else 'a real number'}"
+        f"{place} = {quote(value)} is not {'finite' if math.isinf(double) else 'a real number'}"
     )
 
 
@@ -419,8 +419,8 @@ class Namespace:
     def start_names(self) -> tuple[str, ...]:
         """The names of coordinates, of the equations' velocities, and of those that follow."""
         constants = {*self.equations.system.parameter_names, "t"}
-        own = (name for name in self.symbols if name not in constants)
-        return tuple(dict.fromkeys((*own, *self.rate_names)))
+        moving = (name for name in self.symbols if name not in constants)
+        return tuple(dict.fromkeys((*moving, *self.rate_names)))
 
     @cached_property
     def known(self) -> dict[str, sp.Expr]:
@@ -458,12 +458,12 @@ class Namespace:
         are in the velocities of the coordinates or of the group, and what declares others."""
         if self.home is None:
             return ()
-        home, own = self.home.definition, self.equations.definition
-        frame = () if own.frame is None else own.frame.expressions(own.dots)
+        home, definition = self.home.definition, self.equations.definition
+        frame = () if definition.frame is None else definition.frame.expressions(definition.dots)
         return (
             *home.constraints.expressions(home.dots), *home.differentiated.expressions(home.dots),
-            *own.constraints.expressions(own.dots),
-            *(e - v for e, v in zip(frame, own.velocities, strict=False)),
+            *definition.constraints.expressions(definition.dots),
+            *(e - v for e, v in zip(frame, definition.velocities, strict=False)),
         )  # fmt: skip
 
     @cached_property
@@ -500,8 +500,8 @@ class Namespace:
         """Outputs that stand for several: the whole configuration, and each trace of a contact that
         the system draws."""
         system = self.equations.system
-        own = system.drawing if isinstance(system.drawing, Mapping) else {}
-        traces = {title: tuple(names) for title, names in own.items() if isinstance(title, str)}
+        drawing = system.drawing if isinstance(system.drawing, Mapping) else {}
+        traces = {title: tuple(names) for title, names in drawing.items() if isinstance(title, str)}
         return {CONFIGURATION: system.coordinates, **traces}
 
     def read_outputs(self, outputs: Iterable[Any]) -> OutputTerms:
@@ -512,12 +512,12 @@ class Namespace:
         """
         system = self.equations.system
         reactions, groups = self.reactions, self.groups
-        own = self.known
+        known = self.known
         keys = tuple(outputs) or (*system.coordinates, *system.velocities)
         spelled: dict[str, sp.Expr | None] = {}
         chosen: dict[str, int] = {}
         for key in keys:
-            name = key if isinstance(key, str) and key not in own else ""
+            name = key if isinstance(key, str) and key not in known else ""
             if name in reactions:
                 chosen[name] = reactions[name]
                 spelled[name] = None
@@ -589,12 +589,12 @@ class Namespace:
         inside = bridge.inward(spelled)
         if not self.holds_reactions([spelled]):
             return inside
-        found = self.equations.memo.once(
+        reactions = self.equations.memo.once(
             "reactions of the state",
             lambda: reactions_of_state(self.equations, self.reaction_definition),
         )
         return inside.xreplace(
-            dict(zip(map(bridge.inward, self._reaction_symbols), found, strict=True))
+            dict(zip(map(bridge.inward, self._reaction_symbols), reactions, strict=True))
         )
 
     def _plain(self, key: Any, role: str) -> str:
@@ -684,8 +684,8 @@ def name_events(namespace: Namespace, events: Any) -> tuple[tuple[Guard, ...], d
     guards: list[Guard] = []
     inside, names = dict[str, Any](), set[str]()
     for event in events_of(events):
-        own, function = namespace.read_condition(event.function)
-        name = event.name or own
+        spelling, function = namespace.read_condition(event.function)
+        name = event.name or spelling
         if name in names:
             raise DefinitionError(
                 f"system '{namespace.equations.system.name}': two events are called '{name}'; "

@@ -99,9 +99,9 @@ class Paths:
             t = self.times[:-1] + within if k < each else self.times[1:]
             states = np.zeros((size, steps, lanes))
             states[self.needed] = _horner(terms, within)
-            found = self.quantity(t.ravel(), states.reshape(size, -1).T, lane).reshape(t.shape)
-            own = slice(k, -1 if k < each else None, each)  # what ends a step begins the next
-            times[own], values[own] = t, found
+            levels = self.quantity(t.ravel(), states.reshape(size, -1).T, lane).reshape(t.shape)
+            rows = slice(k, -1 if k < each else None, each)  # what ends a step begins the next
+            times[rows], values[rows] = t, levels
         return times, values
 
     def states(self, tau: np.ndarray, number: np.ndarray, entries: np.ndarray) -> np.ndarray:
@@ -174,14 +174,16 @@ def zeros(paths: Paths, direction: int) -> Zeros:
         rates = np.abs(np.diff(values, axis=0)) / np.diff(times, axis=0)
         length = paths.lengths.ravel()
         pieces = Pieces.along(np.zeros(len(length)), length, values)
-        found, touches = find_crossings(paths.value, pieces, paths.depth)
-        found = found.where((direction == 0) | ((found.after > found.before) == (direction > 0)))
-        begin = paths.times.ravel()[found.number]
-        found = found.where(np.lexsort((begin + found.start, found.number % lanes)))
-        number = found.number
-        tau = roots(lambda tau, i: paths.value(tau, number[i]), *found.parts[:4])
+        crossings, touches = find_crossings(paths.value, pieces, paths.depth)
+        crossings = crossings.where(
+            (direction == 0) | ((crossings.after > crossings.before) == (direction > 0))
+        )
+        begin = paths.times.ravel()[crossings.number]
+        crossings = crossings.where(np.lexsort((begin + crossings.start, crossings.number % lanes)))
+        number = crossings.number
+        tau = roots(lambda tau, i: paths.value(tau, number[i]), *crossings.parts[:4])
         # what is larger than at both ends is a pole; beside a jump a quantity stays of its size
-        ends = np.maximum(np.abs(found.before), np.abs(found.after))
+        ends = np.maximum(np.abs(crossings.before), np.abs(crossings.after))
         true = np.abs(paths.value(tau, number)) <= POLE * ends
         tau, number = tau[true], number[true]
     return Zeros(
@@ -258,21 +260,21 @@ class SectionPassages:
 
     def put(self, i: int, t: np.ndarray, states: np.ndarray, speed: np.ndarray) -> None:
         """Further crossings of start i, no more than are wanted."""
-        own = self.of[i]
-        room = self.wanted - own.count
+        record = self.of[i]
+        room = self.wanted - record.count
         t, states, speed = t[:room], states[:room, : self.width], speed[:room]
         if len(t):
-            own.parts.append((t, states, speed))
-            own.count += len(t)
-            own.idle = 0
+            record.parts.append((t, states, speed))
+            record.count += len(t)
+            record.idle = 0
 
     def keep(
         self, i: int, found: Zeros, lane: int, after: float, until: float = np.inf
     ) -> None:  # fmt: skip
         """Take in what was ``found`` in a lane between two times as crossings and touches of start
         i."""
-        take, own = (found.lane == lane) & (found.t > after) & (found.t < until), self.of[i]
-        t, room = found.t[take], self.wanted - own.count
+        take, record = (found.lane == lane) & (found.t > after) & (found.t < until), self.of[i]
+        t, room = found.t[take], self.wanted - record.count
         last = t[room - 1] if len(t) >= room else np.inf
         self.touches.extend((i, t) for k, t in found.touches if k == lane and after < t <= last)
         self.put(i, t, found.states[take], found.speed[take])
@@ -283,23 +285,23 @@ class SectionPassages:
 
     def cut(self, i: int, count: int) -> None:
         """Keep the first crossings of start i alone."""
-        own = self.of[i]
-        t, states, speed = (np.concatenate(column) for column in zip(*own.parts, strict=True))
-        own.parts, own.count = [(t[:count], states[:count], speed[:count])], count
+        record = self.of[i]
+        t, states, speed = (np.concatenate(column) for column in zip(*record.parts, strict=True))
+        record.parts, record.count = [(t[:count], states[:count], speed[:count])], count
 
     def note_range(self, i: int, time: float, steps: int, found: Sequence[float]) -> None:
         """How far start i came; the range of the quantity on the way and its largest rate."""
-        own, (low, high, fastest) = self.of[i], found
-        own.reached = float(time)
-        own.idle += steps
-        own.low, own.high = float(np.fmin(own.low, low)), float(np.fmax(own.high, high))
-        own.fastest = float(np.fmax(own.fastest, fastest))
+        record, (low, high, fastest) = self.of[i], found
+        record.reached = float(time)
+        record.idle += steps
+        record.low, record.high = float(np.fmin(record.low, low)), float(np.fmax(record.high, high))
+        record.fastest = float(np.fmax(record.fastest, fastest))
 
     def over(self, i: int) -> bool:
         """Whether start i has all it needs, failed, or is given up."""
-        own = self.of[i]
-        full = own.count >= self.wanted or own.idle > PATIENCE
-        return bool(full or i in self.errors or own.reached >= self.until)
+        record = self.of[i]
+        full = record.count >= self.wanted or record.idle > PATIENCE
+        return bool(full or i in self.errors or record.reached >= self.until)
 
     def tell(self, sound: Sequence[int]) -> None:
         """Report the fraction that is done."""
@@ -319,9 +321,9 @@ class SectionPassages:
 
     def join(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start, t, states, speed of all crossings."""
-        start = np.repeat(np.arange(len(self.of)), [own.count for own in self.of])
+        start = np.repeat(np.arange(len(self.of)), [record.count for record in self.of])
         none = np.empty(0), np.empty((0, self.width)), np.empty(0)
-        parts = [none, *(part for own in self.of for part in own.parts)]
+        parts = [none, *(part for record in self.of for part in record.parts)]
         t, states, speed = (np.concatenate(column) for column in zip(*parts, strict=True))
         return start, t, states, speed
 
@@ -376,7 +378,7 @@ class _LanePassages:
         """So many steps that the motion nearest to its end is not carried far beyond it."""
         passages, ta = self.passages, self.lanes.integrator
         left = [passages.wanted - passages.of[i].count for i in self.under_way(ta.place).values()]
-        done = sum(own.count for own in passages.of)
+        done = sum(record.count for record in passages.of)
         each = passages.steps / done if done else FEWEST
         room = max(ROOM // (ta.state.size * (ta.batch.order + 1)), FEWEST)
         most = min(MOST, 1 << (room.bit_length() - 1))  # memory grows by doubling
@@ -404,18 +406,18 @@ class _LanePassages:
 
     def plane(self, t: np.ndarray, states: np.ndarray, lane: np.ndarray) -> np.ndarray:
         """The plane's quantity (m,) on lanes (m,)."""
-        own = self.motions.values[self.rows[lane]]
-        return self.watch.function(t, states, own)
+        constants = self.motions.values[self.rows[lane]]
+        return self.watch.function(t, states, constants)
 
     def collect(self, busy: Mapping[int, int], paths: Paths) -> None:
         """Take in the crossings of the lanes that carry motions, each as far as it is trusted."""
         passages, collapsed = self.passages, self.lanes.steps.has_collapsed
-        found, start = zeros(paths, passages.direction), self.motions.time
+        crossings, start = zeros(paths, passages.direction), self.motions.time
         first = np.where(paths.times[0] == start, START_SHARE * paths.lengths[0], -np.inf)
         for k, i in busy.items():
             until = _trusted_until(paths.times[:, k]) if collapsed[k] else np.inf
-            passages.keep(i, found, k, start + first[k], until)
-            seen = (found.low[k], found.high[k], found.fastest[k])
+            passages.keep(i, crossings, k, start + first[k], until)
+            seen = (crossings.low[k], crossings.high[k], crossings.fastest[k])
             passages.note_range(i, paths.times[-1, k], len(paths.lengths), seen)
             passages.enter_samples(i, [paths.first_step(k)])
 

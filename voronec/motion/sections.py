@@ -135,8 +135,8 @@ def _integrals(motions: Many) -> Integrals:
 
     def integrals(states: np.ndarray) -> np.ndarray:
         rows = np.broadcast_to(motions.values[:1], (len(states), motions.values.shape[1]))
-        found = at_each(extras, program.names, motions.time, states, rows)
-        return np.stack(list(found.values()), axis=-1)
+        columns = at_each(extras, program.names, motions.time, states, rows)
+        return np.stack(list(columns.values()), axis=-1)
 
     return integrals
 
@@ -328,15 +328,16 @@ class Section:
         of a motion along ``motion``."""
         from voronec.motion.storage import NamedArrays, of_motions, variables_of
 
-        own = {"start": self.start, "t": self.t, **{name: self[name] for name in self.outputs}}
+        recorded = {"start": self.start, "t": self.t, **{name: self[name] for name in self.outputs}}
         along = {"speed": self.speed, "near_tangent": self.near_tangent}
         ends = {"end": np.array(self.ends)}
         each = of_motions(len(self.ends), self.errors, ends, self.parameters, drift=self.drift)
-        points = [{n: (("point",), x) for n, x in part.items()} for part in (own, along)]
+        points = [{n: (("point",), x) for n, x in part.items()} for part in (recorded, along)]
         return NamedArrays.of(
-            self.system, "Section", variables_of(*points, each), ("point",), own, plane=self.plane,
-            value=self.value, direction=self.direction, touches=[list(x) for x in self.touches],
-            formulation=self.formulation, interrupted=self.interrupted, cost=asdict(self.cost),
+            self.system, "Section", variables_of(*points, each), ("point",), recorded,
+            plane=self.plane, value=self.value, direction=self.direction,
+            touches=[list(x) for x in self.touches], formulation=self.formulation,
+            interrupted=self.interrupted, cost=asdict(self.cost),
             notes={str(i): list(told) for i, told in self.notes.items()},
         )  # fmt: skip
 
@@ -437,9 +438,9 @@ def section(
                 "are followed up to an instant; give until="
             )
         known = {plain_name(s): s for s in declared.known_symbols()}
-        own = formula(plane, "the plane", known) if isinstance(plane, str) else plane
+        spelled = formula(plane, "the plane", known) if isinstance(plane, str) else plane
         columns |= driven.over(begin, until).parameters(begin, until)
-        level = own - sp.Rational(on_plane)
+        level = spelled - sp.Rational(on_plane)
     motions = many(equations, chosen_scene, single, columns, looked, begin)
     alone = LoneMotions.of_section(motions, single, chosen_scene, method, tol)
     if driven.changing is not None:
@@ -502,14 +503,14 @@ def _whole(equations: VoronecEquations, plane: sp.Expr) -> tuple[Any, ...]:
 def _starts(
     equations: VoronecEquations, scene: Any, starts: Any, initial: Any, parameters: Any
 ) -> tuple[Starts, dict[Any, Any]]:
-    own = dict(initial or {})
+    values = dict(initial or {})
     if isinstance(starts, int) and starts > 1:
-        rows = starts_alike(equations, scene, own, parameters or {}, starts)
+        rows = starts_alike(equations, scene, values, parameters or {}, starts)
         return spread_starts(rows, parameters or {})
     if isinstance(starts, int):
         starts = None
     single, columns = spread_starts(starts, parameters or {})
-    return single.over(own), columns
+    return single.over(values), columns
 
 
 def _watch(motions: Many, name: str, value: float) -> SectionWatch:
@@ -533,12 +534,12 @@ def _watch(motions: Many, name: str, value: float) -> SectionWatch:
 
 
 def _refuse_nothing(motions: Many, passages: SectionPassages, surface: str, value: float) -> None:
-    if any(own.count for own in passages.of) or passages.interrupted or not passages.strict:
+    if any(record.count for record in passages.of) or passages.interrupted or not passages.strict:
         return
     for error in (*motions.wrong.values(), *passages.errors.values()):
         raise error
     system = motions.namespace.equations.system.name
-    low, high = np.array([(own.low, own.high) for own in passages.of]).T
+    low, high = np.array([(record.low, record.high) for record in passages.of]).T
     if np.isnan(low).all():
         raise DefinitionError(
             f"system '{system}': {surface} has no real value along the motion; choose another plane"
@@ -564,16 +565,16 @@ def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, 
     check = CheckOfMany(equations, motions.program, cost.tolerance, integrals)
     drifts, drift = Drifts(motions, cost.tolerance), {n: np.zeros(len(motions)) for n in integrals}
     steps = cost.steps / max(1, len(motions.sound))
-    for i, own in enumerate(passages.of):
-        if own.alone is not None:
+    for i, record in enumerate(passages.of):
+        if record.alone is not None:
             for name, array in drift.items():
-                array[i] = own.alone[1].get(name, np.nan)
-        if not own.parts or own.alone is not None:
+                array[i] = record.alone[1].get(name, np.nan)
+        if not record.parts or record.alone is not None:
             continue
-        t = np.concatenate([[motions.time], *(part[0] for part in own.parts)])
-        states = np.vstack([motions.states[i], *(part[1] for part in own.parts)])
+        t = np.concatenate([[motions.time], *(part[0] for part in record.parts)])
+        states = np.vstack([motions.states[i], *(part[1] for part in record.parts)])
         ends = motions.time, float(t[-1])
-        samples = by_owner(part.within(*ends) for part in own.samples)
+        samples = by_owner(part.within(*ends) for part in record.samples)
         motion = t, states[None], motions.values[i][None]
         series = motions.quantities_along(*motion)
         breaches, notes = check.breaches(*motion, steps, samples, series)
@@ -584,11 +585,11 @@ def _look_at(motions: Many, passages: SectionPassages, cost: Cost) -> dict[str, 
             passages.cut(i, breach.row)
             what = f"{breach.what} after t = {time:.12g}"
             passages.errors[i] = motions.error(i, what, "end the run before that", time, state)
-        kept = slice(own.count + 1)
-        series = {name: found[:, kept] for name, found in series.items()}
-        found = drifts.along(t[kept], states[None, kept], motions.values[i][None], series)
+        kept = slice(record.count + 1)
+        series = {name: columns[:, kept] for name, columns in series.items()}
+        columns = drifts.along(t[kept], states[None, kept], motions.values[i][None], series)
         for name, array in drift.items():
-            array[i] = found[name][0]
+            array[i] = columns[name][0]
     return drift
 
 
@@ -598,12 +599,12 @@ def _section(
 ) -> Section:  # fmt: skip
     start, t, states, speed = passages.join()
     names, values = motions.program.names, motions.values[start]
-    found = at_each(motions.extras, names, t, states, values)
-    points = np.stack([found[name] for name in outputs], axis=-1)
-    for i, own in enumerate(passages.of):
-        if own.alone is not None:
-            points[start == i] = own.alone[0]
-    fastest = np.array([own.fastest for own in passages.of])
+    quantities = at_each(motions.extras, names, t, states, values)
+    points = np.stack([quantities[name] for name in outputs], axis=-1)
+    for i, record in enumerate(passages.of):
+        if record.alone is not None:
+            points[start == i] = record.alone[0]
+    fastest = np.array([record.fastest for record in passages.of])
     for array in (points, t, start, speed):
         array.flags.writeable = False
     return Section(

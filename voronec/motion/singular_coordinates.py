@@ -168,19 +168,21 @@ class PoleGuard:
             if _is_singular(equations, made, pole, start, constants, time)
         ]
         # not their product, which is positive where two bodies are at poles at once
-        found = {
-            f"{NEAR_POLE} {i}": d - own**2 for i, (d, own) in enumerate(levels) if d is not None
+        margins = {
+            f"{NEAR_POLE} {i}": d - radius**2
+            for i, (d, radius) in enumerate(levels)
+            if d is not None
         }
-        if not found:
+        if not margins:
             return None
-        return cls(equations.system.name, made.program, found, made.form, near)
+        return cls(equations.system.name, made.program, margins, made.form, near)
 
     def check(self, state: np.ndarray, values: Sequence[float], time: float) -> None:
         """Raise an error for a start that is near one: ``NearPole`` where charts are still to be
         tried."""
         program = self._levels
-        own = dict(zip(map(str, self.program.parameters), values, strict=True))
-        given = [own[str(p)] for p in program.parameters]
+        constants = dict(zip(map(str, self.program.parameters), values, strict=True))
+        given = [constants[str(p)] for p in program.parameters]
         if all(value > 0 for value in quiet(compile_program(program)[1], given)(time, list(state))):
             return
         if self.near != LAST:
@@ -225,9 +227,9 @@ def _distance(
     if pole.angle in variables:
         return pole.distance**2
     for name, g in equations.system.invariants.items():
-        own, symbol = equations.bridge.inward(g), se.Symbol(name)
-        alone = own.free_symbols == {pole.angle}
-        if symbol in variables and alone and all_vanish([own**2 + pole.distance**2 - 1]):
+        invariant, symbol = equations.bridge.inward(g), se.Symbol(name)
+        alone = invariant.free_symbols == {pole.angle}
+        if symbol in variables and alone and all_vanish([invariant**2 + pole.distance**2 - 1]):
             return 1 - symbol**2
     return None
 
@@ -257,12 +259,12 @@ def blind_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray
     though nothing moves; k is zero where coordinates are regular."""
     if ground.home.definition.group is not None:
         return np.zeros((len(ground.home.definition.dots), 0))
-    found = [
+    directions = [
         polar_directions(ground.home, wide),
         charted_directions(ground, wide),
         carried_directions(ground, wide),
     ]
-    vectors, sizes, _ = np.linalg.svd(np.hstack(found), full_matrices=False)
+    vectors, sizes, _ = np.linalg.svd(np.hstack(directions), full_matrices=False)
     return np.asarray(vectors[:, sizes > POLE])
 
 
@@ -272,15 +274,15 @@ def polar_directions(equations: VoronecEquations, state: np.ndarray) -> np.ndarr
 
     Rz(phi) Rx(c) Rz(s psi) knows only phi + s psi where c = 0, and phi - s psi where c = pi.
     """
-    d, found = equations.definition, []
+    d, directions = equations.definition, []
     for angles in euler_angles(equations):
         polar = float(state[d.coordinates.index(angles.theta)]) + float(angles.shift)
         if abs(np.sin(polar)) < POLE:
             direction = np.zeros(len(d.dots))
             for x, rate in angles.blind.items():
                 direction[d.coordinates.index(x)] = rate.subs({angles.theta: polar - angles.shift})
-            found.append(direction / np.linalg.norm(direction))
-    return np.array(found).reshape(-1, len(d.dots)).T
+            directions.append(direction / np.linalg.norm(direction))
+    return np.array(directions).reshape(-1, len(d.dots)).T
 
 
 def charted_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarray:
@@ -293,8 +295,8 @@ def charted_directions(ground: ConstraintGeometry, wide: np.ndarray) -> np.ndarr
     if not any(_may_be_singular(ground, chart, wide) for chart in system.charts.values()):
         return none  # as of most starts: no slopes are derived
     looked = [_distances(ground, chart, wide) for chart in system.charts.values()]
-    own, there, slopes = max(looked, key=lambda found: found[1], default=(1.0, 0.0, none))
-    if not own < POLE or not there > POLE:
+    here, there, slopes = max(looked, key=lambda found: found[1], default=(1.0, 0.0, none))
+    if not here < POLE or not there > POLE:
         return none
     _, sizes, basis = np.linalg.svd(slopes)
     return np.asarray(basis[sizes < POLE * sizes.max()].T)
@@ -366,10 +368,10 @@ def _distances(
 ) -> tuple[float, float, Any]:
     """How far a wide state is from the singularities of the own coordinates and of a chart, 0 where
     the chart has no value, and df/dq."""
-    found = numbers_of_chart(ground, chart, ground.time, wide.astype(float))
-    if found is None:
+    numbers = numbers_of_chart(ground, chart, ground.time, wide.astype(float))
+    if numbers is None:
         return 1.0, 0.0, None
-    singular, there, *slopes = found
+    singular, there, *slopes = numbers
     if not np.isfinite(slopes).all():
         return abs(singular), 0.0, None
     count = len(ground.home.definition.coordinates)

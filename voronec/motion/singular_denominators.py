@@ -91,15 +91,15 @@ def divisors(form: Any, changing: tuple[Any, ...] = ()) -> tuple[Any, ...]:
     parameters; each once."""
     moving = {*form.coordinates, *form.velocities, form.time, *(name for name, _ in form.stages)}
     moving |= {*changing}
-    found: dict[Any, None] = {}
+    denominators: dict[Any, None] = {}
     exprs = cardinal_all([*form.expressions, *(e for _, e in form.stages)])
     for base in bases(exprs):
         if base.free_symbols & moving:
-            found[base] = None
+            denominators[base] = None
     if form.stages or not is_rough((), exprs, form.parameters):
-        return tuple(found)
-    slopes = _slopes_of_corners(found, exprs, frozenset(form.parameters))
-    return tuple(b for b in found if b not in slopes)
+        return tuple(denominators)
+    slopes = _slopes_of_corners(denominators, exprs, frozenset(form.parameters))
+    return tuple(b for b in denominators if b not in slopes)
 
 
 def _slopes_of_corners(
@@ -143,10 +143,10 @@ def without_factors(function: Any, factors: Iterable[Any]) -> Any:
 
 def around(start: np.ndarray) -> np.ndarray:
     """Places (n, k) at random around a start (n,)."""
-    found: np.ndarray = (
+    places: np.ndarray = (
         start[:, None] + _ways(start.size, SAMPLES) * np.maximum(1.0, np.abs(start))[:, None]
     )
-    return found
+    return places
 
 
 def _ways(size: int, count: int) -> np.ndarray:
@@ -166,7 +166,7 @@ def crossing_divisors(
     places onto the relations between redundant coordinates.
     """
     sizes, usual = values(places), -1.0
-    found = []
+    denominators = []
     for i, (function, row) in enumerate(zip(functions, sizes, strict=True)):
         below, above = places[:, row < 0], places[:, row > 0]
         count = min(below.shape[1], above.shape[1], FEW)
@@ -184,8 +184,8 @@ def crossing_divisors(
         true = np.abs(values(zeros)[i]) < low
         usual = usual_size(soundness(places[:, :FEW])) if usual < 0 else usual
         if (true & (soundness(zeros) > POLE * usual)).any():
-            found.append(SingularDenominator(function, scale))
-    return found
+            denominators.append(SingularDenominator(function, scale))
+    return denominators
 
 
 def _between(values: Field, i: int, below: np.ndarray, above: np.ndarray) -> np.ndarray:
@@ -194,8 +194,8 @@ def _between(values: Field, i: int, below: np.ndarray, above: np.ndarray) -> np.
         middle = (below + above) / 2
         under = values(middle)[i] < 0
         below, above = np.where(under, middle, below), np.where(under, above, middle)
-    found: np.ndarray = (below + above) / 2
-    return found
+    zeros: np.ndarray = (below + above) / 2
+    return zeros
 
 
 def _downhill(values: Field, i: int, places: np.ndarray, onto: Field) -> np.ndarray:
@@ -306,11 +306,11 @@ def next_places(q: np.ndarray) -> list[list[Any]]:
 def orthonormal_rows(rows: np.ndarray) -> np.ndarray:
     """Orthonormal rows that span what rows (m, N + 1) with offsets do, and zeros for those that
     depend on the others."""
-    found: list[np.ndarray] = []
+    basis: list[np.ndarray] = []
     for row in rows:
         rest = row / (mpmath.sqrt(row[:-1].dot(row[:-1])) or 1)
-        for other in found:
+        for other in basis:
             rest = rest - rest[:-1].dot(other[:-1]) * other
         size = mpmath.sqrt(rest[:-1].dot(rest[:-1]))
-        found.append(rest / size if size > SAME else 0 * rest)
-    return np.array(found)
+        basis.append(rest / size if size > SAME else 0 * rest)
+    return np.array(basis)

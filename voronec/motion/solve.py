@@ -144,18 +144,18 @@ class Solver:
             return self.result(phase)
         try:
             while True:
-                own, part = self.segment(phase)
+                stretch, part = self.segment(phase)
                 owner = phase.guards.get(part.stopped)
                 if part.halt or (not part.stopped and phase.end is not None):
                     owner = phase.successor
                 if owner is None or part.interrupted:
                     return self.result(part.halt, part.interrupted, part.stopped)
-                here, done = self.arrive(own)
-                found = owner.next(phase, here)
-                if isinstance(found, Termination):
-                    return self.result(found)
-                self.switches += found.is_change
-                if stopped := self.enter(found, here):
+                here, done = self.arrive(stretch)
+                following = owner.next(phase, here)
+                if isinstance(following, Termination):
+                    return self.result(following)
+                self.switches += following.is_change
+                if stopped := self.enter(following, here):
                     return self.result(stopped=stopped)
                 if here.guard and self.stalls(here.time):
                     return self.result(Termination(ZENO, *self.standing))
@@ -163,7 +163,7 @@ class Solver:
                 self.keep(phase, near, np.repeat(here.home[None], len(near), axis=0))
                 if self.done == len(self.grid):
                     return self.result()
-                phase = found
+                phase = following
         except KeyboardInterrupt:
             return self.result(interrupted=True)
 
@@ -174,8 +174,8 @@ class Solver:
             whole = (self.grid[-1] - self.grid[0]) or 1.0
             self.progress.done = float((phase.time - self.grid[0]) / whole)
             self.progress.part = float((times[-1] - phase.time) / whole)
-        own = phase.integrate(phase.state, times)
-        part = phase.to_home(own)
+        stretch = phase.integrate(phase.state, times)
+        part = phase.to_home(stretch)
         reached = self.order * part.t
         count = int(np.searchsorted(forward, reached[-1], side="right"))
         taken = np.searchsorted(reached, forward[:count])
@@ -192,7 +192,7 @@ class Solver:
             pairs = zip(*part.crossings[event.name], strict=True)
             self.crossings.setdefault(event.name, []).extend(pairs)
         self.ticker(end)
-        return own, part
+        return stretch, part
 
     def times(self, phase: Phase) -> np.ndarray:
         """The instants (k,) for a phase: where it begins, those of the grid, and its own end."""

@@ -60,10 +60,10 @@ def at_each(
     shape = states.shape[:-1]
     columns = (list(x.transpose(-1, *range(x.ndim - 1))) for x in (states, values))
     with np.errstate(all="ignore"):
-        found = [np.asarray(r, dtype=float) for r in function(t, *columns)]
+        arrays = [np.asarray(r, dtype=float) for r in function(t, *columns)]
     return {
         name: r if r.shape == shape else np.broadcast_to(r, shape)
-        for name, r in zip(names, found, strict=True)
+        for name, r in zip(names, arrays, strict=True)
     }
 
 

@@ -53,18 +53,18 @@ POWERS = np.linalg.inv(np.vander(2 * NODES - 1, increasing=True))
 def joined_ends(parts: Sequence[StepSamples]) -> list[np.ndarray]:
     """The states (s, n) with which the steps of each part end: those with which the next step
     begins, where that is sampled too."""
-    found = []
+    states = []
     for part in parts:
         ends = part.states[:, -1].copy()
         if not part.apart:
             next_to = _meet(part.times[:-1, -1], part.times[1:, 0])
             ends[:-1][next_to] = part.states[1:, 0][next_to]
-        found.append(ends)
-    for (ends, one), (_, two) in pairwise(zip(found, parts, strict=True)):
+        states.append(ends)
+    for (ends, one), (_, two) in pairwise(zip(states, parts, strict=True)):
         joined = len(ends) and len(two.times) and not (one.apart or two.apart)
         if joined and _meet(one.times[-1, -1], two.times[0, 0]):
             ends[-1] = two.states[0, 0]
-    return found
+    return states
 
 
 def _meet(before: np.ndarray, after: np.ndarray) -> np.ndarray:

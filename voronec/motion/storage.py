@@ -82,13 +82,13 @@ class NamedArrays:
         """The table: for each variable along its axes one long column, the axes first."""
         sizes = self.sizes
         shape = tuple(sizes[axis] for axis in self.axes)
-        found = {}
+        table = {}
         for name in dict.fromkeys([*self.axes, *self.variables]):
-            own, array = self.variables.get(name) or ((name,), np.arange(sizes[name]))
-            if own and {*own} <= {*self.axes}:
-                aligned = array.reshape([sizes[a] if a in own else 1 for a in self.axes])
-                found[name] = np.broadcast_to(aligned, shape).reshape(-1)
-        return found
+            axes, array = self.variables.get(name) or ((name,), np.arange(sizes[name]))
+            if axes and {*axes} <= {*self.axes}:
+                aligned = array.reshape([sizes[a] if a in axes else 1 for a in self.axes])
+                table[name] = np.broadcast_to(aligned, shape).reshape(-1)
+        return table
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the arrays to ``path``, whole or not at all: ``.npz``, ``.parquet``, ``.zarr`` or
@@ -146,13 +146,13 @@ def require_library(module: str) -> Any:
 
 def versions() -> dict[str, str]:
     """The versions of voronec, of Python and of what computes."""
-    found = {"python": sys.version.partition(" ")[0]}
+    releases = {"python": sys.version.partition(" ")[0]}
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            releases[name] = version(name)
         except PackageNotFoundError:  # heyoka is not everywhere
             continue
-    return found
+    return releases
 
 
 def header_of(system: System, kind: str, **more: Any) -> dict[str, Any]:
@@ -260,9 +260,9 @@ def _write_parquet(arrays: NamedArrays, path: Path) -> None:
 
 def _write_zarr(arrays: NamedArrays, path: Path) -> None:
     require_library("zarr")
-    found = arrays.to_xarray()
-    found = found.rename({name: array_key(str(name)) for name in found.variables})
-    found.to_zarr(path, mode="w", consolidated=False)
+    dataset = arrays.to_xarray()
+    dataset = dataset.rename({name: array_key(str(name)) for name in dataset.variables})
+    dataset.to_zarr(path, mode="w", consolidated=False)
 
 
 def _write_csv(arrays: NamedArrays, path: Path) -> None:
@@ -349,18 +349,18 @@ def _read_parquet(source: Path) -> Any:
     header = _require_format(None if said is None else json.loads(said), source)
     sizes, beside = header.pop("table"), header.pop("beside")
     arrays = {name: np.array(x) for name, x in beside.items()}
-    for name, own in header["axes"].items():
+    for name, axes in header["axes"].items():
         if name not in beside:
             column = table[name].to_numpy().reshape([*sizes.values()])
-            arrays[name] = column[tuple(slice(None) if a in own else 0 for a in sizes)]
+            arrays[name] = column[tuple(slice(None) if a in axes else 0 for a in sizes)]
     return _dataset(header, arrays)
 
 
 def _read_zarr(source: Path) -> Any:
     require_library("zarr")
     _require_format(attributes_of(source), source)
-    found = require_library("xarray").open_zarr(source, consolidated=False, chunks=None)
-    return found.rename({key: _as_name(str(key)) for key in found.variables})
+    dataset = require_library("xarray").open_zarr(source, consolidated=False, chunks=None)
+    return dataset.rename({key: _as_name(str(key)) for key in dataset.variables})
 
 
 READERS: Mapping[str, Callable[[Path], Any]] = {

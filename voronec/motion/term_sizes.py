@@ -41,10 +41,10 @@ def term_slopes(
     steps = np.concatenate([np.zeros_like(nudges[:, :1]), nudges, -nudges], axis=1)
     moved = here[:, None] + steps[:, :, None, :]
     extras = compile_program(program)[1]
-    found = at_each(extras, program.names, times, moved[..., :still], moved[..., still:])
+    quantities = at_each(extras, program.names, times, moved[..., :still], moved[..., still:])
     result = {}
     for name in names:
-        terms = found[name]
+        terms = quantities[name]
         changes = np.nan_to_num(np.abs(terms[:, 1:] - terms[:, :1]), posinf=0.0) / NUDGE
         steepest = changes.reshape(len(terms), 2, -1, len(rows)).max(axis=1)
         result[name] = steepest.sum(axis=1).max(axis=1)
@@ -59,8 +59,8 @@ def _natural_sizes(
     shape, names = states.shape, [str(i) for i in range(states.shape[-1])]
 
     def slopes(at: np.ndarray) -> np.ndarray:
-        found = at_each(rhs, names, t, at.reshape(shape), values)
-        return np.stack([found[name] for name in names], axis=-1).reshape(at.shape)
+        derivatives = at_each(rhs, names, t, at.reshape(shape), values)
+        return np.stack([derivatives[name] for name in names], axis=-1).reshape(at.shape)
 
     flat = states.reshape(-1, shape[-1])
     each = np.repeat(sizes, shape[1], axis=0)

@@ -337,8 +337,11 @@ class Trajectory:
         names = dict.fromkeys([*self.outputs, *self.names, *self.integrals])
         held = {"t": self.t, **{name: self[name] for name in names if name != "t"}}
         variables = {name: (("t",), plain_numbers(x)) for name, x in held.items()}
-        for event, found in self.events.items():
-            passages = {"t": found.t, **{n: found[n] for n in (*found.names, *found.series)}}
+        for event, crossings in self.events.items():
+            passages = {
+                "t": crossings.t,
+                **{n: crossings[n] for n in (*crossings.names, *crossings.series)},
+            }
             axes = (f"{event}: number",)
             variables |= {f"{event}: {n}": (axes, plain_numbers(x)) for n, x in passages.items()}
         numbers = {name: {n: plain_numbers(x) for n, x in getattr(self, name).items()}
@@ -430,10 +433,10 @@ def assemble_trajectory(
     fields of the trajectory.
     """
     system = namespace.equations.system
-    own = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
-    if own != list(names) and set(own) <= set(watch.outputs):
+    variables = [plain_name(x) for x in (*system.coordinates, *system.velocities)]
+    if variables != list(names) and set(variables) <= set(watch.outputs):
         # what was integrated is another set of variables; these are what the user knows
-        names, states = tuple(own), np.stack([series[name] for name in own], axis=-1)
+        names, states = tuple(variables), np.stack([series[name] for name in variables], axis=-1)
     for array in (t, states, *series.values()):
         array.flags.writeable = False
     still = {n: x for n, x in constants.items() if np.ndim(x) == 0}  # others are inputs
@@ -461,13 +464,13 @@ def _integrals(
 ) -> dict[str, np.ndarray]:
     """The integrals along the grid; nan at instants at which they are rounding, as in velocities
     that are no frame there."""
-    found = {}
+    integrals = {}
     for name, key in watch.integrals.items():
         values = series[key]
         lost = _is_rounding(values, series[watch.sizes[name]])
-        found[name] = np.where(lost, np.nan, values) if lost.any() else values
-        found[name].flags.writeable = False
-    return found
+        integrals[name] = np.where(lost, np.nan, values) if lost.any() else values
+        integrals[name].flags.writeable = False
+    return integrals
 
 
 def _is_rounding(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
@@ -489,22 +492,22 @@ def _drifts(
     usual: _TermSizes | None,
 ) -> dict[str, float]:
     """See ``Trajectory.drift``."""
-    own = {}
+    pairs = {}
     for name, key in watch.integrals.items():
         values, terms = series[key], series[watch.sizes[name]]
         # at a pole of coordinates, where a run may begin, an integral may have no value
         sound = np.isfinite(values.astype(float)) & np.isfinite(terms.astype(float))
         sound &= ~_is_rounding(values, terms)
-        own[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
-    found, left = {}, LOOSE * max(tol, UNIT)
-    for name, (values, terms) in own.items():
+        pairs[name] = (values[sound], terms[sound]) if sound.any() else (values, terms)
+    drifts, left = {}, LOOSE * max(tol, UNIT)
+    for name, (values, terms) in pairs.items():
         size, start = terms.max(), abs(values[0])
         scale = start if start > CANCELLATION * size else size
         change = np.abs(values - values[0]).max()
         if usual and change > SMALL * scale and size <= left * usual.slopes[name]:
             scale = usual.slopes[name]
-        found[name] = float(change / scale) if change else 0.0
-    return found
+        drifts[name] = float(change / scale) if change else 0.0
+    return drifts
 
 
 @dataclass(frozen=True)
@@ -523,5 +526,5 @@ class _TermSizes:
         given = [np.broadcast_to(np.asarray(x, dtype=float), self.t.shape) for x in self.values]
         values = np.stack(given, axis=-1) if given else np.empty((len(self.t), 0))
         sizes = self.watch.sizes
-        found = term_slopes(self.program, sizes.values(), self.t, self.states[None], values[None])
-        return {name: float(found[key][0]) for name, key in sizes.items()}
+        largest = term_slopes(self.program, sizes.values(), self.t, self.states[None], values[None])
+        return {name: float(largest[key][0]) for name, key in sizes.items()}

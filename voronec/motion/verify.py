@@ -120,18 +120,18 @@ class SolutionCheck:
         Where nothing did, some steps are held against the equations derived first, at their
         ``constants``: ``at_home`` takes times (k,) and states (k, n) to coordinates and velocities
         (k, m)."""
-        found, notes = self.losses(t, states)
+        breaches, notes = self.losses(t, states)
         parts = self._inner(t, samples)
-        found += self._wrong_steps(t, parts, program_rates(self.program, self.at))
+        breaches += self._wrong_steps(t, parts, program_rates(self.program, self.at))
         strayed = (row for part in parts for row in strayed_rows(t, states[None], part, self.tol))
-        found += [Breach(DISOBEDIENT, row) for row in strayed]
-        if not found and at_home is not None:
+        breaches += [Breach(DISOBEDIENT, row) for row in strayed]
+        if not breaches and at_home is not None:
             rates = original_rates(self.equations, constants or {}, self.changing)
             if rates is not None:
                 some = (part.pick(spread(len(part.times), FEW)) for part in parts[:FEW])
                 wrong = self._wrong_steps(t, [part.through(at_home) for part in some], rates)
-                found = [replace(breach, last=None) for breach in wrong]
-        return min(found, key=lambda b: b.row, default=None), notes
+                breaches = [replace(breach, last=None) for breach in wrong]
+        return min(breaches, key=lambda b: b.row, default=None), notes
 
     def _inner(self, t: np.ndarray, samples: Sequence[StepSamples]) -> list[StepSamples]:
         """The samples of the steps to instants ``t``, in which no function of Python's jumps."""
@@ -145,8 +145,8 @@ class SolutionCheck:
         self, t: np.ndarray, parts: Sequence[StepSamples], rates: Rates
     ) -> list[Breach]:
         """The steps that do not obey the equations."""
-        found = wrong_steps(by_owner(parts), lambda _: rates, self.tol)
-        return [Breach.of_step(t, part, i) for _, part, i in found]
+        steps = wrong_steps(by_owner(parts), lambda _: rates, self.tol)
+        return [Breach.of_step(t, part, i) for _, part, i in steps]
 
     def at(self, t: np.ndarray) -> list[Any]:
         """The values of the parameters at times (k,): doubles, or arrays of them."""
@@ -220,7 +220,7 @@ class ConservedQuantities:
             least = per_unit * np.maximum(sizes, sizes[:, :1])
             if np.isfinite(least).all() and (np.abs(here - here[:, :1]) <= least).all():
                 return {}
-        found = {}
+        drifts = {}
         for name, (key, size) in self.names.items():
             # at a pole of coordinates, where a run may begin, a quantity may have no value
             rows = np.flatnonzero(np.isfinite(values[key]) & np.isfinite(values[size or key]))
@@ -238,8 +238,8 @@ class ConservedQuantities:
             change = np.where(sure, np.abs(here - here[np.argmax(sure)]), 0.0)
             bad = np.flatnonzero(change > allowed)
             if len(bad):
-                found[name] = int(rows[bad[0]]), float(change[bad[0]]), float(allowed[bad[0]])
-        return found
+                drifts[name] = int(rows[bad[0]]), float(change[bad[0]]), float(allowed[bad[0]])
+        return drifts
 
     def _around(self, key: str, t: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how much a quantity changes, to first order, with each variable by its size, at least
@@ -362,21 +362,24 @@ class CheckOfMany:
         """What went wrong with which motion, and what is to be said of mere claims: states
         (m, k, n) at ``t`` (k,), parameters (m, p), ``samples`` of the steps, each took so many; and
         the extra quantities (m, k) there."""
-        notes, found = dict[int, tuple[str, ...]](), dict[int, Breach]()
+        notes, first = dict[int, tuple[str, ...]](), dict[int, Breach]()
         breaches = [*self._disobedient(t, states, values, samples)]
         for i, name in self._drifts_at(series):
-            whole, own = np.isfinite(states[i]).all(axis=1), {name: (self.integrals[name],) * 2}
+            whole, integrals = (
+                np.isfinite(states[i]).all(axis=1),
+                {name: (self.integrals[name],) * 2},
+            )
             one = SolutionCheck(
-                self.equations, self.program, [*values[i]], self.tol, int(steps), own, {}
+                self.equations, self.program, [*values[i]], self.tol, int(steps), integrals, {}
             )
             lost, told = one.losses(t[whole], states[i][whole], len(t))
             breaches += [(i, breach) for breach in lost]
             if told:
                 notes[i] = (*notes.get(i, ()), *told)
         for i, breach in breaches:
-            if i not in found or breach.row < found[i].row:
-                found[i] = breach
-        return found, notes
+            if i not in first or breach.row < first[i].row:
+                first[i] = breach
+        return first, notes
 
     def _drifts_at(self, series: Mapping[str, np.ndarray]) -> Iterator[tuple[int, str]]:
         """The motions of which an integral may be lost, and its name."""

@@ -50,8 +50,8 @@ def choose_sides(expr: Any) -> Any:
     one that would grow by far stays as it is."""
     expr = se.sympify(expr)
     size = operation_count([expr])
-    found = _Choices().settle(expr) if size < LONG else expr
-    return found if operation_count([found]) <= LONGER * (size + SHORT) else expr
+    settled = _Choices().settle(expr) if size < LONG else expr
+    return settled if operation_count([settled]) <= LONGER * (size + SHORT) else expr
 
 
 @dataclass
@@ -62,13 +62,13 @@ class _Choices:
 
     def switches(self, expr: Any) -> frozenset[Any]:
         """The arguments of all signs and absolute values in an expression."""
-        found = self.known.get(expr)
-        if found is None:
-            found = frozenset[Any]().union(*map(self.switches, expr.args))
+        surfaces = self.known.get(expr)
+        if surfaces is None:
+            surfaces = frozenset[Any]().union(*map(self.switches, expr.args))
             if isinstance(expr, (se.sign, se.Abs)):
-                found |= {expr.args[0]}
-            self.known[expr] = found
-        return found
+                surfaces |= {expr.args[0]}
+            self.known[expr] = surfaces
+        return surfaces
 
     def settle(self, expr: Any, kept: frozenset[Any] = frozenset()) -> Any:
         """The expression with a choice at every switching surface but those that are ``kept``, of
@@ -96,11 +96,11 @@ class _Choices:
         terms = summands(_spread(expr))
         held = [t for t in terms if switch in self.switches(t)]
         keys, beside = _magnitudes(held), self.switches(se.Add(*held))
-        own = [
+        switching = [
             t for t in terms
             if split_number(t)[0] in keys or (self.switches(t) and self.switches(t) <= beside)
         ]  # fmt: skip
-        total, sign = se.Add(*own), _sign_of(switch)
+        total, sign = se.Add(*switching), _sign_of(switch)
         up, on, down = (self.on_side(total, switch, s) for s in (sign or 1, 0, sign or -1))
         if sign and se.sign(switch) not in nodes([total]):
             on = up  # of absolute values alone, which do not jump
@@ -108,7 +108,7 @@ class _Choices:
             on = (up + down) / 2
         if up == _spread(-down) and on == 0 and not _divides(switch, up):
             return expr  # k |w| or k sign(w), of which nothing cancels
-        rest = se.Add(*[t for t in terms if t not in own])
+        rest = se.Add(*[t for t in terms if t not in switching])
         kept = frozenset({switch})
         return rest + _choice(switch, *(self.settle(side, kept) for side in (up, on, down)))
 
@@ -218,8 +218,8 @@ def _magnitudes(terms: Iterable[Any]) -> set[Any]:
     letters: dict[Any, Any] = {}
     lettered = [_with_letters(t, letters) for t in terms]
     signs = frozenset(letters.values())
-    found = [part for t in lettered for part in summands(_spread(t, signs))]
-    factors = (factors_of(split_number(t)[0]) for t in found)
+    parts = [part for t in lettered for part in summands(_spread(t, signs))]
+    factors = (factors_of(split_number(t)[0]) for t in parts)
     return {se.Mul(*[f for f in each if not f.free_symbols & signs]) for each in factors}
 
 

@@ -88,10 +88,10 @@ def series(name: str, x: str = "x") -> str:
         terms.append(repr(p / q))
         if abs(p / q) * numeric.REACH**n < DOUBLE:
             break
-    found = terms.pop()
+    polynomial = terms.pop()
     while terms:
-        found = f"{terms.pop()} + {x}*{x}*({found})"
-    return f"({found})"
+        polynomial = f"{terms.pop()} + {x}*{x}*({polynomial})"
+    return f"({polynomial})"
 
 
 def rewrite(expr: Any) -> Any | None:

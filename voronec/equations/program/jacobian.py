@@ -63,10 +63,10 @@ def joint_block(
     ``EngineLimit`` names a function that nobody differentiates.
     """
     assignments, rows = _rows(block, {x: {x: se.Integer(1)} for x in by})
-    found = {(i, j): row[x] for i, row in enumerate(rows) for j, x in enumerate(by) if x in row}
+    slopes = {(i, j): row[x] for i, row in enumerate(rows) for j, x in enumerate(by) if x in row}
     known = [program.time, *program.state, *program.parameters, *program.inputs]
-    results = [*block.results, *found.values()]
-    return share_subexpressions(results, fresh_names(known), assignments), tuple(found)
+    results = [*block.results, *slopes.values()]
+    return share_subexpressions(results, fresh_names(known), assignments), tuple(slopes)
 
 
 def flow_derivative(program: Program, block: Block) -> Block:
@@ -110,11 +110,11 @@ def _chain_slopes(expr: Any, slopes: dict[Any, dict[Any, Any]]) -> dict[Any, Any
 
 def weighted_sum(pairs: Iterable[tuple[Any, dict[Any, Any]]]) -> dict[Any, Any]:
     """The sum of rows {position: entry} with factors, without entries that are zero."""
-    found: dict[Any, list[Any]] = {}
+    products: dict[Any, list[Any]] = {}
     for factor, row in pairs:
         for x, slope in row.items():
-            found.setdefault(x, []).append(factor * slope)
-    sums = {x: se.Add(*terms) for x, terms in found.items()}
+            products.setdefault(x, []).append(factor * slope)
+    sums = {x: se.Add(*terms) for x, terms in products.items()}
     return {x: total for x, total in sums.items() if total != 0}
 
 
@@ -142,15 +142,15 @@ def _gradient_of_choice(expr: Any, known: dict[Any, Any]) -> dict[Any, Any]:
     switch, up, *middle, down = expr.args
     rows = [_gradient(a, known) for a in expr.args[1:]]
     across = {x for symbol in switch.free_symbols for x in known[symbol]}
-    found, zero = {}, se.Integer(0)
+    gradient, zero = {}, se.Integer(0)
     for x in {x: None for row in rows for x in row}:
         above, *on, below = (row.get(x, zero) for row in rows)
         if x in across and on:
             on = [] if up == down else [above] * (middle == [up]) or [below] * (middle == [down])
         name = numeric.CASE if on else numeric.CHOICE
         same = all(slope == above for slope in (*on, below))
-        found[x] = above if same else se.Function(name)(switch, above, *on, below)
-    return found
+        gradient[x] = above if same else se.Function(name)(switch, above, *on, below)
+    return gradient
 
 
 def _partial(expr: Any, position: int) -> Any:

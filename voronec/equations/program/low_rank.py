@@ -83,12 +83,12 @@ def solve_mass(
     ``constants`` are the symbols that do not move, ``positive`` those that are positive;
     ``relations`` vanish.  Raises ``DefinitionError`` for a matrix that is visibly singular.
     """
-    found: dict[int, Any] = {}
+    solution: dict[int, Any] = {}
     for block in eliminations(mass, constants, relations, positive):
         known = [name(e) for e in block.expressions]
         values = block.solve(known, [right[i] for i in block.rows], name)
-        found.update(zip(block.rows, values, strict=True))
-    return [found[i] for i in range(len(right))]
+        solution.update(zip(block.rows, values, strict=True))
+    return [solution[i] for i in range(len(right))]
 
 
 def eliminations(
@@ -98,7 +98,7 @@ def eliminations(
     """How the rows of a symmetric positive matrix are solved: blocks that are diagonal plus a
     product one by one, where that is cheaper and stable; the rest together by L D L^T."""
     constants, positive = list(constants), list(positive)
-    found, left = [], [*range(len(mass))]
+    blocks, left = [], [*range(len(mass))]
     for rows in _components(mass):
         block = tuple(tuple(mass[i][j] for j in rows) for i in rows)
         split = _stable(block, tuple(relations), tuple(positive))
@@ -106,9 +106,9 @@ def eliminations(
             continue
         low = MassElimination(rows, split.expressions, split.solve)
         if _weight(low, constants) < _weight(_triangular(block, range(len(rows))), constants):
-            found.append(low)
+            blocks.append(low)
             left = [i for i in left if i not in rows]
-    return [*found, _triangular(mass, left)] if left else found
+    return [*blocks, _triangular(mass, left)] if left else blocks
 
 
 @lru_cache(maxsize=64)  # the same matrix comes back whenever its system is written as a program

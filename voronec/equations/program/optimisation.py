@@ -59,13 +59,13 @@ def shorten_program(program: Program) -> Program:
     if block.operations > LONG:
         return program
     known = [program.time, *arguments_of(program)]
-    found = [block]
+    blocks = [block]
     for begin, change in product((block, _without_monomials(block)), _changes(block)):
         changed = [(name, change(se.sympify(e))) for name, e in begin.assignments]
         results = [change(se.sympify(e)) for e in begin.results]
         shared = _SharedParts(changed, results, known).block(fresh_names(known))
-        found.append(prune(shared.assignments, shared.results))  # names may have cancelled
-    shortest = min(found, key=lambda b: operation_count(b.expressions))
+        blocks.append(prune(shared.assignments, shared.results))  # names may have cancelled
+    shortest = min(blocks, key=lambda b: operation_count(b.expressions))
     return replace(program, derivative=shortest)
 
 
@@ -237,13 +237,13 @@ def _power(factor: Any) -> tuple[Any, int]:
 def _pairs(powers: Mapping[Any, int]) -> set[Pair]:
     """Pairs of factors: a*b and 1/(a*b) with 1, a/b with -1; squares as a, a, 1."""
     items = sorted(powers.items(), key=str)
-    found = {(a, a, 1) for a, e in items if abs(e) > 1}
+    pairs = {(a, a, 1) for a, e in items if abs(e) > 1}
     for (a, e), (b, f) in combinations(items, 2):
         if e * f > 0:
-            found.add((a, b, 1))
+            pairs.add((a, b, 1))
         else:  # a quotient is never turned over: the other has poles elsewhere
-            found.add((a, b, -1) if e > 0 else (b, a, -1))
-    return found
+            pairs.add((a, b, -1) if e > 0 else (b, a, -1))
+    return pairs
 
 
 def _with_pair(powers: Mapping[Any, int], inner: Mapping[Any, int], name: Any) -> dict[Any, int]:

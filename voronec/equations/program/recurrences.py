@@ -115,15 +115,15 @@ class Coefficients:
         return self._helper("weighted", name, "", f"k*{name}[k]")
 
     def _helper(self, kind: str, name: str, first: str | None, later: str) -> str:
-        found = self.helpers.get((kind, name))
-        if found is None:
-            found = self.helpers[kind, name] = f"{kind[0]}_{name}"
+        helper = self.helpers.get((kind, name))
+        if helper is None:
+            helper = self.helpers[kind, name] = f"{kind[0]}_{name}"
             if first is None:
-                self.later.append(f"{found} = {later}")
+                self.later.append(f"{helper} = {later}")
             else:
-                self.first.append(f"{found} = [{first}]")
-                self.later.append(f"{found}.append({later})")
-        return found
+                self.first.append(f"{helper} = [{first}]")
+                self.later.append(f"{helper}.append({later})")
+        return helper
 
     def product(self, a: str, b: str) -> str:
         """a b."""
@@ -445,8 +445,8 @@ def _tangent(bits: int) -> Callable[[int], int]:
 
     def tangent(number: int) -> int:
         """tanh; where it is 1 to the last digit it is flat, and no rounding is to grow in it."""
-        found = apply("tanh", number)
-        return found if one - abs(found) > 1 else (one if number > 0 else -one)
+        tanh = apply("tanh", number)
+        return tanh if one - abs(tanh) > 1 else (one if number > 0 else -one)
 
     return tangent
 

@@ -67,21 +67,21 @@ class Block:
 
     def movers(self, symbols: Iterable[Any]) -> set[Any]:
         """Some symbols, and the names that move with them."""
-        found = set(symbols)
+        moving = set(symbols)
         for name, expr in self.assignments:
-            if expr.free_symbols & found:
-                found.add(name)
-        return found
+            if expr.free_symbols & moving:
+                moving.add(name)
+        return moving
 
     def has_roots(self, moving: Iterable[Any]) -> bool:
         """Whether it holds a root, or another power whose exponent is no whole number, of something
         that moves with some symbols."""
-        found = self.movers(moving)
+        movers = self.movers(moving)
         plain = (formula(node) or node for node in nodes(self.expressions))
         return any(
             isinstance(node, se.Pow)
             and not isinstance(node.args[1], se.Integer)
-            and bool(node.args[0].free_symbols & found)
+            and bool(node.args[0].free_symbols & movers)
             for node in plain
         )
 
@@ -256,13 +256,13 @@ def _replace_functions(
         return form, extras, ()
     rows = (*form.mass, form.rates, form.force, form.definitions, (*extras.values(),))
     held = [e for row in rows for e in row] + [e for _, e in (*form.stages, *form.dependent)]
-    found = atoms(held, se.FunctionSymbol, se.Derivative)
+    functions = atoms(held, se.FunctionSymbol, se.Derivative)
     symbols: dict[Any, Any] = {}
     for function in form.inputs:
         name = function.get_name()
-        rates = [d for d in found if isinstance(d, se.Derivative) and d.args[0] == function]
+        rates = [d for d in functions if isinstance(d, se.Derivative) and d.args[0] == function]
         for node in (function, *sorted(rates, key=lambda d: len(d.args))):
-            if node in found or node == function:  # declared inputs are arguments, used or not
+            if node in functions or node == function:  # declared inputs are arguments, used or not
                 symbols[node] = se.Symbol(name + "dot" * (len(node.args) - 1))
 
     def on(exprs: Iterable[Any]) -> tuple[Any, ...]:
@@ -460,10 +460,10 @@ def _choose_entries(form: FirstOrderForm, given: FirstOrderForm) -> FirstOrderFo
         if distance_powers([expr], moving):
             return expr
         try:
-            found = shortest([expr], form.relations)
+            shortened = shortest([expr], form.relations)
         except EngineLimit:
             return expr
-        return expr if loses_quotients([expr], lambda: found) else found[0]
+        return expr if loses_quotients([expr], lambda: shortened) else shortened[0]
 
     def settle(expr: Any) -> Any:
         if not holds_switches(expr) and not holds_choices(expr):

@@ -186,11 +186,11 @@ def has_switches(exprs: Iterable[Any], still: Iterable[Any] = ()) -> bool:
 
 def radicands(exprs: Iterable[Any], among: frozenset[Any]) -> list[Any]:
     """The radicands in expressions that hold one of some symbols."""
-    found: dict[Any, None] = {}
+    bases: dict[Any, None] = {}
     for node in nodes(map(se.sympify, exprs)):
         if isinstance(node, se.Pow) and _is_root(node) and node.args[0].free_symbols & among:
-            found.setdefault(node.args[0])
-    return list(found)
+            bases.setdefault(node.args[0])
+    return list(bases)
 
 
 def rounding(
@@ -263,13 +263,13 @@ def write_roots_out(
     exprs: Iterable[Any], meaning: Mapping[Any, Any], still: frozenset[Any]
 ) -> dict[Any, Any]:
     """Roots of squares that are seen in what the names in them mean alone, written out."""
-    found = {}
+    written = {}
     for node in nodes(map(se.sympify, exprs)) if meaning else ():
         if isinstance(node, se.Pow) and _is_root(node) and node.free_symbols & meaning.keys():
             power = _inside(node.args[0], meaning) ** node.args[1]
             if plain_roots(power, still) != power:
-                found[node] = power
-    return found
+                written[node] = power
+    return written
 
 
 def _inside(expr: Any, meaning: Mapping[Any, Any]) -> Any:
@@ -290,10 +290,10 @@ def plain_roots(
     Squares of ``still`` symbols alone stay under their roots.
     """
     known = {} if known is None else known
-    found = known.get(expr)
-    if found is None:
-        found = known[expr] = _plain(expr, still, known)
-    return found
+    plain = known.get(expr)
+    if plain is None:
+        plain = known[expr] = _plain(expr, still, known)
+    return plain
 
 
 def _plain(expr: Any, still: frozenset[Any], known: dict[Any, Any]) -> Any:

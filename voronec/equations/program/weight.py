@@ -90,10 +90,10 @@ class _Walk:
         """Whether anything in an expression moves."""
         if not expr.args:
             return isinstance(expr, se.Symbol) and expr not in self.still
-        found = self._moving.get(expr)
-        if found is None:
-            found = self._moving[expr] = any(self.moves(a) for a in expr.args)
-        return found
+        moving = self._moving.get(expr)
+        if moving is None:
+            moving = self._moving[expr] = any(self.moves(a) for a in expr.args)
+        return moving
 
     def of(self, expr: Any) -> float:
         """The cost of an expression, less what was counted before."""

@@ -72,17 +72,17 @@ class Names:
         named = self._carry_out(exact).xreplace(self.letters)
         named = named.replace(sp.sinc, lambda a: sp.sin(a) / a)
         try:
-            found = se.sympify(_in_cases(named))
+            parsed = se.sympify(_in_cases(named))
         except se.SympifyError:
             raise DefinitionError(f"'{expr}' {_UNREAL}") from None
-        for function in sorted(found.atoms(se.FunctionSymbol), key=str):
+        for function in sorted(parsed.atoms(se.FunctionSymbol), key=str):
             if type(function) is not se.FunctionSymbol:  # SymPy's own, without a derivative here
                 raise DefinitionError(f"'{function}' {_UNREAL}")
             raise DefinitionError(
                 f"the unknown function '{function}' has no value; numeric evaluation needs a "
                 "formula for it"
             )
-        return found
+        return parsed
 
     def symbol(self, thing: sp.Basic) -> Any:
         """The symbol of something that has a name."""

@@ -255,14 +255,14 @@ class _SymbolTable:
         """What forces may hold besides: of each its symbol, in terms of those of qdot."""
         system = self.system
         dots = system.directions if system.on_group else map(velocity, system.coordinates)
-        symbols, found = [self.names.symbol(velocity(w)) for w in dots], {}
+        symbols, rates = [self.names.symbol(velocity(w)) for w in dots], {}
         if system.on_group:
             return {a: a for a in symbols}
         for v in system.velocities if system.frame is not None else ():
             meant = self.definitions[self.names.symbol(v)]
             parts = (meant.diff(w) * a for w, a in zip(self.v, symbols, strict=True))
-            found[self.names.symbol(velocity(v))] = se.Add(self.drift(meant), *parts)
-        return {a: a for a in symbols} | found
+            rates[self.names.symbol(velocity(v))] = se.Add(self.drift(meant), *parts)
+        return {a: a for a in symbols} | rates
 
 
 def make_plan(system: System) -> Plan:
@@ -403,6 +403,6 @@ def _form(inside: _SymbolTable, label: str, expr: Any) -> Form:
 
 def _smooth(expr: Any) -> Any:
     """Absolute values as roots of squares, which can be differentiated away from zero."""
-    while found := expr.atoms(se.Abs):
-        expr = expr.xreplace({node: se.sqrt(node.args[0] ** 2) for node in found})
+    while moduli := expr.atoms(se.Abs):
+        expr = expr.xreplace({node: se.sqrt(node.args[0] ** 2) for node in moduli})
     return expr

@@ -120,22 +120,22 @@ def _find_velocities(plan: Plan, numbers: dict[str, Any]) -> list[Vector]:
     values = [mp.mpf(0)] * plan.exact + [numbers[name] for name in plan.velocities]
     matrix = [form[:-1] for form in forms]
     right = [value - form[-1] for value, form in zip(values, forms, strict=True)]
-    found = eliminate(matrix, right, width, first=plan.exact)
-    _check_consistency(plan, found, "contradicts the others")
-    for row, rest in found.leftover.items():
-        if row >= plan.exact and abs(rest) > SLACK * found.size + _noise(found):
+    elimination = eliminate(matrix, right, width, first=plan.exact)
+    _check_consistency(plan, elimination, "contradicts the others")
+    for row, rest in elimination.leftover.items():
+        if row >= plan.exact and abs(rest) > SLACK * elimination.size + _noise(elimination):
             raise DefinitionError(
                 f"the velocity '{plan.velocities[row - plan.exact]}' of the point is off by "
                 f"{mp.nstr(rest, 5)} from what the other velocities, the constraints and the "
                 "relations make of it; correct the velocities"
             )
-    if found.free:
-        names = ", ".join(f"'{plan.dots[c]}'" for c in found.free)
+    if elimination.free:
+        names = ", ".join(f"'{plan.dots[c]}'" for c in elimination.free)
         raise DefinitionError(
             f"constraints and velocities do not determine {names} at this point; add a "
             "constraint, or define the missing velocities with frame="
         )
-    numbers.update(zip(plan.dots, found.solution, strict=True))
+    numbers.update(zip(plan.dots, elimination.solution, strict=True))
     return matrix[: plan.exact]
 
 
@@ -168,9 +168,11 @@ def _check_consistency(plan: Plan, found: Elimination, verb: str) -> None:
 def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) -> MultiplierSolution:
     width = len(plan.dots)
     mass, force, right = _split(plan.dynamics(numbers), width * width, width)
-    found = eliminate(rows, right, width)
-    _check_consistency(plan, found, "depends on the others, and its derivative contradicts them,")
-    kept = found.independent
+    elimination = eliminate(rows, right, width)
+    _check_consistency(
+        plan, elimination, "depends on the others, and its derivative contradicts them,"
+    )
+    kept = elimination.independent
     # Multipliers are scaled so that the size of the masses plays no part in what counts as zero.
     unit = max(map(abs, mass), default=mp.mpf(0)) or mp.mpf(1)
     sizes = {k: max(map(abs, rows[k])) for k in kept}
@@ -191,7 +193,7 @@ def _solve_motion(plan: Plan, numbers: Mapping[str, Any], rows: list[Vector]) ->
     reaction = [
         mp.fsum(m * row[i] for m, row in zip(multipliers, rows, strict=True)) for i in range(width)
     ]
-    determined = _determinacy(rows, width) if found.leftover else (True,) * len(rows)
+    determined = _determinacy(rows, width) if elimination.leftover else (True,) * len(rows)
     unique = [m if d else mp.mpf(0) for m, d in zip(multipliers, determined, strict=True)]
     accelerations = _group_accelerations(plan, numbers, motion.solution[:width])
     return MultiplierSolution(accelerations, reaction, unique, determined)
