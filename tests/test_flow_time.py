@@ -136,21 +136,23 @@ def test_steps_of_the_time_beside_a_constant_of_the_motion(method: str) -> None:
     assert abs(complex(run["x"][-1], run["y"][-1]) - place) < TOLERANCE
 
 
+@pytest.mark.parametrize("framed", [True, False])
 @pytest.mark.parametrize("method", ["heyoka", "scipy"])
-def test_an_event_of_a_velocity_while_friction_holds_asks_for_a_frame(method: str) -> None:
-    """At rest xdot is zero but for rounding, whose sign means nothing, unless it is v cos(phi)."""
+def test_events_of_velocities_that_friction_holds_are_found_in_any_frame(
+    method: str, framed: bool
+) -> None:
+    """At rest xdot is zero but for rounding, whose sign means nothing, in whatever frame."""
     v, w = sp.symbols("v w")
     speed = Dx * sp.cos(phi) + Dy * sp.sin(phi)
     mu, blade = 0.3125, skate(-0.3125 * sp.sign(speed))
-    run = {"initial": START, "times": [0, 6], "method": method, "events": (Dx, Dy)}
-    with pytest.raises(vo.EngineLimit, match=r"'xdot', are not found .* a frame"):
-        vo.integrate(blade, **run)
-    found = vo.integrate(replace(blade, frame=vo.Frame.quasi({v: speed, w: Dphi})), **run)
+    if framed:
+        blade = replace(blade, frame=vo.Frame.quasi({v: speed, w: Dphi}))
+    run = vo.integrate(blade, initial=START, times=[0, 6], method=method, events=(Dx, Dy))
     stop = 1 / mu
     for name, first in (("xdot", np.pi / 2), ("ydot", np.pi)):
         turns = (first + np.pi * np.arange(3) - FIRST) / SPIN
         expected = [*turns[turns < stop], stop]
-        assert found.events[name].t == pytest.approx(expected, abs=TOLERANCE)
+        assert run.events[name].t == pytest.approx(expected, abs=TOLERANCE)
 
 
 @cache
