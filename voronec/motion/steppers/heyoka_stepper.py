@@ -125,10 +125,14 @@ def taylor(problem: Problem) -> Integrator:
 
     def drive(pool: _Pool, machine: _Machine, grid: np.ndarray) -> Run | None:
         machine.place(problem, grid)
-        stall = StallDetector(grid[0], float(grid[-1]), max(int(share * LONG), WINDOW), crawl=0.0)
+        stall = StallDetector(grid[0], float(grid[-1]), max(int(share * LONG), WINDOW))
         try:
             stepper = _TaylorStepper(hy, machine, problem, grid, stall)
-            course = march(problem, grid, stepper, level_function(problem), stall)
+            # steps that were too long, and are taken again, count too
+            course = march(
+                problem, grid, stepper, level_function(problem),
+                lambda _, time: stall.distance(stepper.evaluations, time),
+            )  # fmt: skip
         finally:
             pool.at_rest[:] = [machine]
         return None if stepper.has_outgrown else course

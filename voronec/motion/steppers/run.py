@@ -157,14 +157,12 @@ class StallDetector:
     They lead nowhere where many of them cover next to nothing, and where too many are left: at the
     best pace p of the last half of N steps, which fades as N^-a, the way d that is left takes
     N (1 + (1 - a) d/(p N))^(1/(1 - a)) steps, or N exp(d/(p N)) where a = 1.  That is looked at
-    whenever their number has doubled, beyond ``looked``.  Next to nothing is a part ``crawl`` of
-    the span for ``WINDOW`` steps.
+    whenever their number has doubled, beyond ``looked``.
     """
 
     start: Any
     end: float
     looked: int = field(default_factory=lambda: LONG)
-    crawl: float = field(default_factory=lambda: CRAWL)
     marks: tuple[float, int] = field(init=False)
     time: float = field(init=False)
     steps: int = 0
@@ -185,7 +183,7 @@ class StallDetector:
         if steps - marked >= WINDOW:
             self.marks, pace = (time, steps), abs(time - mark) / (steps - marked)
             self.fastest = max(self.fastest, pace)
-            if marked and pace * WINDOW <= self.crawl * abs(self.end - float(self.start)):
+            if marked and pace * WINDOW <= CRAWL * abs(self.end - float(self.start)):
                 return self.reason(pace)
         return self.distance(steps, time)
 

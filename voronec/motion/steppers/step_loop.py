@@ -119,11 +119,12 @@ def level_function(problem: Problem) -> Levels:
 
 def march(
     problem: Problem, grid: np.ndarray, stepper: Stepper, levels: Levels,
-    stall: StallDetector | None = None,
+    stalled: Callable[[int, Any], str] | None = None,
 ) -> Run:  # fmt: skip
-    """The run over a grid, by default with the usual patience."""
-    stall = stall or StallDetector(grid[0], float(grid[-1]))
-    return _March(problem, grid, stepper, levels, stall).run()
+    """The run over a grid; ``stalled`` tells of so many steps, which came to a time, why they lead
+    nowhere, by default as a ``StallDetector`` does."""
+    stalled = stalled or StallDetector(grid[0], float(grid[-1])).failure
+    return _March(problem, grid, stepper, levels, stalled).run()
 
 
 @dataclass
@@ -132,7 +133,7 @@ class _March:
     grid: np.ndarray
     stepper: Stepper
     levels: Levels
-    stall: StallDetector
+    stalled: Callable[[int, Any], str]
     log: Log = field(init=False)
     states: np.ndarray = field(init=False)
     strides: list[Stride] = field(default_factory=list)
@@ -176,7 +177,7 @@ class _March:
                 ticker(self.last.time)
                 if self.unseen >= SUSPECTS and (halt := self.singular()):
                     return self.result(halt)
-                if reason := self.stall.failure(self.steps, self.last.time):
+                if reason := self.stalled(self.steps, self.last.time):
                     return self.fail(reason)
         except ControllerFailure as failure:
             return self.result(replace(self.last, reason=str(failure), mend=MEND))
