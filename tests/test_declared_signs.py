@@ -68,6 +68,8 @@ def test_witnesses_lie_where_symbols_may(sides):
 
 def test_a_witness_that_cannot_be_is_none():
     assert vo.prove_equal(sp.Symbol("p", prime=True), 1).undecided
+    between = sp.Symbol("k", noninteger=True)  # equal: k lies between whole numbers
+    assert vo.prove_equal(sp.ceiling(between) - sp.floor(between), 1).undecided
     assert vo.prove_equal(root(whole - whole**2), 0).undecided  # real at 0 and 1 alone
 
 

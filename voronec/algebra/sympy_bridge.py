@@ -393,7 +393,7 @@ def _known_of(thing: sp.Expr, inside: Any) -> Iterator[Any]:
         return  # to ask one by one takes as long as a small derivation
     if thing.is_real is False:
         raise DefinitionError(f"'{thing}' is not real; equalities are between real numbers")
-    if thing.is_prime or thing.is_composite or thing.is_irrational:
+    if thing.is_prime or thing.is_composite or thing.is_integer is False:
         raise EngineLimit(f"what is declared of '{thing}' is beyond signs and whole numbers")
     if thing.is_zero:
         yield inside
