@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
 
 from figures import table
@@ -34,7 +35,10 @@ def calls(page: Path, extent: Extent) -> str:
         f"Ball without symmetry on a sphere, error {ERROR:g}", page, "calls",
     )  # fmt: skip
     head = ("milliseconds", *(f"T = {span * extent.spans:g}" for span in SPANS))
-    rows = ((name, *(f"{x:.3g}" for x in times)) for name, times in lines.items())
+    rows = (
+        (name, *("not reached" if isnan(x) else f"{x:.3g}" for x in times))
+        for name, times in lines.items()
+    )
     first = measure_calls("ball-on-sphere", None, 10.0, 1e-11)
     return "\n".join([
         table.markdown(head, rows), "",

@@ -53,7 +53,7 @@ they vanish have none there."""
 SHORTER = (1.0, 2.0**-6, 2.0**-12)
 """Parts of a moment, for where the next switching surface is nearer than that."""
 NOWHERE: Mapping[LevelSurface, int] = {}
-"""Beside no surface."""
+"""The sides of a state that lies on no switching surface."""
 NO_VALUE = (ZeroDivisionError, ValueError, TypeError)
 """What mpmath raises where a function has no value, or none that is real."""
 SENSELESS = "the equations, or what switches in them, are not defined"

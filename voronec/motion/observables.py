@@ -244,7 +244,7 @@ def evaluate_watch(
     states: np.ndarray,
     values: Sequence[float],
 ) -> dict[str, np.ndarray]:
-    """Everything watched at states (k, n), reactions too, by the names of ``Watch``."""
+    """Everything watched at states (k, n), reactions too, by the names of ``watch``."""
     series = evaluate_extras(program, t, states, values)
     if len(t):
         series |= {name: branch.along(series) for name, branch in watch.branches.items()}

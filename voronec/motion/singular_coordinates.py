@@ -115,7 +115,7 @@ class PoleNotes:
         return with_events(problem, form, functions, self.levels) if self.levels else problem
 
     def with_notes(self, run: Run) -> Run:
-        """The run as if nobody had looked, with a note."""
+        """The run without the passages that were watched, and with a note of them."""
         if not self.levels:
             return run
         times = [float(t) for name in self.levels for t in run.crossings.get(name, ((),))[0]]
@@ -201,8 +201,8 @@ class PoleGuard:
         return with_events(problem, self.form, functions, self.levels, direction=-order, stop=True)
 
     def without_poles(self, run: Run) -> Run:
-        """The run as if nobody had watched; raises ``NearPole`` where it has come near one, and
-        charts are still to be tried."""
+        """The run without the poles among its events; raises ``NearPole`` where it has come near
+        one, and charts are still to be tried."""
         names = {*self.levels}
         if run.stopped not in names:
             return run.without(names)

@@ -18,8 +18,8 @@ from voronec.motion.steppers import FAR, Signals, Suspect, Termination, values_a
 SINGULAR = 1e-13
 """A mass matrix with a smaller eigenvalue, in units of its diagonal, counts as singular."""
 DEPENDENT = 1e-6
-"""The same for one with rows of multipliers, which is about the square of how independent the
-constraints are: they lose more digits then than they leave."""
+"""The bound for a matrix with rows of multipliers, whose smallest eigenvalue is about the square of
+how independent the constraints are: they lose more digits then than they leave."""
 INFINITE = 1e14
 """Rates of coordinates this many times the largest coordinate or velocity may be divisions by
 zero."""
@@ -27,7 +27,7 @@ ASIDE, FALLEN = 1e-9, 1e-3
 """They are where a state that is moved by the first part of its size, or of one, has rates below
 the second part of them."""
 NEARLY = 1e-6
-"""The same, and in units of the start's diagonal, for naming the cause where a run broke down."""
+"""The bound, also in units of the start's diagonal, for naming the cause where a run broke down."""
 INDEFINITE = "the mass matrix is not positive definite at the start; check the signs in L"
 """What a run is told that begins with a mass matrix that no bodies have."""
 

@@ -137,7 +137,8 @@ def _choice(switch: Any, up: Any, on: Any, down: Any) -> Any:
 
 
 def _parts(expr: Any) -> tuple[Any, Any, Any, Any] | None:
-    """Wall, and values above, on and below it, of a choice; None of anything else."""
+    """Of a choice its switching function, and the values where that is positive, zero and negative;
+    None of anything else."""
     name = numeric_name(expr)
     if name == CASE:
         return expr.args

@@ -39,7 +39,7 @@ from voronec.motion.tolerances import dop853_tolerance
 CHUNK = 4_000
 """Steps between two looks at the keyboard; what more of them keep leaves the processor's cache."""
 DENSE_CHUNK = 1_000
-"""The same where their dense output is kept."""
+"""Steps between two looks at the keyboard where their dense output is kept."""
 PARTS = 7
 """Coefficients of the dense output of a step."""
 _LINE, _TABLE, _TABLES = "float64[::1]", "float64[:,::1]", "float64[:,:,::1]"

@@ -253,7 +253,7 @@ class Run:
         return replace(self, t=t, states=states, crossings=kept, halt=halt, stopped="")
 
     def without(self, names: Collection[str]) -> Run:
-        """The run as if nobody had looked for some events."""
+        """The run without the crossings of some events."""
         kept = {name: rows for name, rows in self.crossings.items() if name not in names}
         return replace(self, crossings=kept)
 

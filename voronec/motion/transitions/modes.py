@@ -66,7 +66,7 @@ class SwitchedIntegrator:
     def elsewhere(
         self, time: float, start: np.ndarray, parameters: Sequence[Any]
     ) -> SwitchedIntegrator:
-        """The same from another start, with what was made ready for this one."""
+        """This integrator from another start, with what was made ready for the first one."""
         return SwitchedIntegrator.of(self.roads.elsewhere(time, start, parameters))
 
 
