@@ -62,10 +62,6 @@ class _Spy(Transcript):
         self.tell("")
         return super().formulas()
 
-    def with_label(self, label: str) -> Formula:
-        self.tell(label)
-        return Transcript(self.section).formula_labelled_as(label)
-
 
 @dataclass(frozen=True)
 class Page:
