@@ -62,6 +62,10 @@ class _Spy(Transcript):
         self.tell("")
         return super().formulas()
 
+    def formula_labelled_as(self, label: str) -> Formula:
+        self.tell(label)
+        return Transcript(self.section).formula_labelled_as(label)
+
 
 @dataclass(frozen=True)
 class Page:
