@@ -15,7 +15,6 @@ BODY = "The Voronec principle and rolling of a body over a surface"
 GYROSCOPE = "Rolling of a body with a gyroscope"
 QUADRATURES = "Solving the system in terms of elliptic functions and elliptic integrals"
 INVERSION = "Inversion of elliptic integrals"
-SPECIAL = "Special Solutions"
 CONTEMPORARY = "Demchenko's PhD thesis and contemporary nonholonomic mechanics"
 
 # label, or the section and the ordinal -> for ... read ...

@@ -24,7 +24,6 @@ SPHERE = (
     "homogeneous-ball-on-sphere",
 )
 BALLS = (*PLANE, *SPHERE, "borisov-fedorov-ball", "chaplygin-ball", "demchenko")
-INTEGRABLE = {*PLANE, "chaplygin-ball", "borisov-fedorov-ball", "homogeneous-ball-on-sphere"}
 SYMMETRIC = ("symmetric-ball-on-sphere", "symmetric-gyroscopic-ball-on-sphere")
 
 omega = sp.symbols("omega1:4")

@@ -37,7 +37,6 @@ TORI = ("torus-on-ellipsoid", "gyroscopic-torus-on-ellipsoid")
 MOVING = ("bychkov-ball", "ball-on-free-sphere")
 GENERAL = ("rolling-body", "gyroscopic-rolling-body", "symmetric-body-on-sphere")
 BODIES = (*ELLIPSOIDS, *SPHEROIDS, *TORI, *MOVING, *GENERAL, "displaced-ball-on-sphere")
-SHOWN = tuple(name for name in BODIES if name not in GENERAL)
 
 gamma, omega, height = sp.symbols("gamma1:4"), sp.symbols("omega1:4"), sp.Symbol("height")
 u, v, theta, u1, v1 = sp.symbols("u v theta u1 v1")

@@ -33,7 +33,6 @@ def module(name):
 
 RELATIONS = {r.label: r for name in YARDSTICKS for r in getattr(module(name), "RELATIONS", ())}
 SQUARES = {s.label: s for name in YARDSTICKS for s in getattr(module(name), "SQUARES", ())}
-LIGHT = [label for label, r in RELATIONS.items() if r.target != "rattleback"]
 
 
 def verdict_on(system, **claims):

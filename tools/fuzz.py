@@ -22,7 +22,7 @@ KINDS = {
     "turns": "scenes.turns",
     "prover": "prover.run",
     "searches": "prover.searches",
-    "crossings": "crossings",
+    "crossings": "scenes.crossings",
 }
 """Kind -> the module that does it."""
 

@@ -62,7 +62,7 @@ class _Spy(Transcript):
         self.tell("")
         return super().formulas()
 
-    def with_label(self, label: str) -> Formula:
+    def formula_labelled_as(self, label: str) -> Formula:
         self.tell(label)
         return Transcript(self.section).formula_labelled_as(label)
 

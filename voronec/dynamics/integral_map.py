@@ -343,7 +343,7 @@ def integral_map_of(
     numbers = {n: float(v[0]) for n, v in phase.motions.parameters.items() if n in known}
     values = {se.Symbol(n): _exact(model, n, x) for n, x in numbers.items() if n not in moving}
     states = (*kept, *more, *map(se.Symbol, moving))
-    start = _start(phase, flow, kept, more, motions, [numbers[n] for n in moving])
+    start = _start(phase, kept, more, motions, [numbers[n] for n in moving])
     carried = None if moving or is_long(equations) else _carry(flow, states, values, start)
     relations = [r for r in relations if r.free_symbols & {*kept}]
     exprs = [e.xreplace(values) for e in (*relations, *formulas, *map(se.Symbol, moving))]
@@ -430,7 +430,7 @@ def _powers(expr: Any, kind: Any = se.Symbol) -> list[Any]:
 
 
 def _start(
-    phase: PhaseSpace, flow: VectorField, kept: Sequence[Any], more: Sequence[Any],
+    phase: PhaseSpace, kept: Sequence[Any], more: Sequence[Any],
     motions: Motions, moving: Sequence[float],
 ) -> np.ndarray:  # fmt: skip
     """The start of the scene as a point."""

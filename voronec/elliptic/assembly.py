@@ -274,9 +274,7 @@ def polynomial_part(
     return IntegralPart(phases, (log_term,), surplus(lattice, log_term, values))
 
 
-def cubic_part(
-    numbers: Numbers, lattice: Lattice, linear: list[arb], lead: arb
-) -> IntegralPart | None:
+def cubic_part(lattice: Lattice, linear: list[arb], lead: arb) -> IntegralPart | None:
     """The part of ``linear x`` where f has degree 3: ``x = 4/(f3 t^2) + ...`` near its pole."""
     if all(_nothing(value) for value in linear):
         return None
@@ -483,7 +481,7 @@ def _polynomial(numbers: Numbers, lattice: Lattice, coefficient: list[arb]) -> I
         return polynomial_part(numbers, lattice, coefficient)
     if degree(numbers) == 3:
         linear = [integral.linear for integral in numbers.integrals]
-        return cubic_part(numbers, lattice, linear, coefficient[3])
+        return cubic_part(lattice, linear, coefficient[3])
     return None
 
 

@@ -60,7 +60,7 @@ class RelativeAngles:
         holds = slopes[: len(angles)] != 0
         order = sorted(together, key=lambda k: int(holds[k][together].sum()))
         return cls.along(
-            {angles[k]: angles[_before(k, order[:i], holds[k])] for i, k in enumerate(order) if i}
+            {angles[k]: angles[_before(order[:i], holds[k])] for i, k in enumerate(order) if i}
         )
 
     @classmethod
@@ -132,7 +132,7 @@ def _turning_together(slopes: np.ndarray) -> list[int]:
     return [*map(int, moving[held])] if np.allclose(shift[held], 1, atol=ZERO) else []
 
 
-def _before(angle: int, earlier: Sequence[int], holds: np.ndarray) -> int:
+def _before(earlier: Sequence[int], holds: np.ndarray) -> int:
     """Of the angles that are placed, the last that the rate of an angle holds, else the first."""
     return next((k for k in reversed(earlier) if holds[k]), earlier[0])
 

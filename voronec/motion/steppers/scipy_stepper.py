@@ -14,7 +14,6 @@ from voronec.motion.steppers.dop853_source import FIRST_GROWTH, growth
 from voronec.motion.steppers.run import COLLAPSE, INFINITE, Integrator, Problem, Run
 from voronec.motion.steppers.step_loop import (
     IntegratorFailure,
-    Stepper,
     Stride,
     level_function,
     march,
@@ -47,14 +46,6 @@ def dop853(problem: Problem) -> Integrator:
     from scipy.integrate import DOP853
 
     return _stepper(replace(problem, tol=dop853_tolerance(problem.tol)), DOP853)
-
-
-def dop853_steps(problem: Problem, grid: np.ndarray) -> Stepper:
-    """The method of Dormand and Prince, step by step."""
-    from scipy.integrate import DOP853
-
-    fine = replace(problem, tol=dop853_tolerance(problem.tol))
-    return _Solver(problem, _solver(fine, DOP853, grid))
 
 
 def lsoda(problem: Problem) -> Integrator:
