@@ -534,6 +534,22 @@ def test_a_state_beyond_doubles_ends_a_run_in_words_alone(method):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("end", [2, 0])
+@pytest.mark.parametrize("method", ["heyoka", "scipy"])
+def test_a_run_that_ends_at_a_pole_in_time_says_where(method, end):
+    x = sp.Symbol("x")
+    kicked = vo.System(
+        name="kicked",
+        fibration=vo.Fibration(x),
+        lagrangian=vo.velocity(x) ** 2 / 2,
+        forces={x: 1 / (vo.time - 1)},
+    )
+    with pytest.raises(vo.IntegrationError) as caught:
+        vo.integrate(kicked, initial={x: 0}, times=[2 - end, end], method=method)
+    assert caught.value.time == pytest.approx(1, abs=1e-6)
+    assert np.isfinite(caught.value.state).all()
+
+
 @pytest.mark.parametrize("tol", [1e-13, 1e-16, 1e-25])
 def test_a_claim_that_drifts_is_told_at_every_tolerance(tol):
     # the curvature of x^2 was taken for rounding over rounding where tolerances are finer than it

@@ -345,7 +345,7 @@ class _TaylorStepper:
         self.usual = min(self.usual, limit)
         if overlong is not None:
             good, length = overlong
-            self.opening = limit = np.inf if good else length
+            self.opening = np.inf if good else length
             outcome, taken, rows = self.go_on(good or 1)
             self.opening = length if good else np.inf
         large = rows if self.output is None else self.output.tcs[:, :, 0]
@@ -357,13 +357,22 @@ class _TaylorStepper:
         if outcome == outcomes.err_nf_state:  # it stands beyond the last step that was good
             self.failure = INFINITE
             self.return_to(moment, state)
-            if taken:
-                ta.propagate_until(self.end, max_steps=taken, max_delta_t=limit)
+            self.go_on_while_finite(taken)
         moved = abs(ta.time - before) / max(taken, 1)
         # heyoka does not count steps of length zero among those that it took
         if outcome == outcomes.step_limit and moved <= CRAWL / CHUNK * self.span:
             self.failure = self.stall.reason(moved)
         return self.segment(taken, rows)
+
+    def go_on_while_finite(self, most: int) -> None:
+        """Take steps, at most so many, up to the last whose end is finite."""
+        ta = self.integrator
+        for _ in range(most):
+            moment, state = ta.dtime, ta.state.copy()
+            ta.step(max_delta_t=self.end - ta.time)
+            if not (np.isfinite(ta.state).all() and np.isfinite(ta.time)):
+                self.return_to(moment, state)
+                break
 
     def segment(self, taken: int, rows: np.ndarray) -> Stride | Segment:
         """What was done in a chunk."""
