@@ -129,6 +129,16 @@ def test_symbols_that_sympy_knows_to_be_negative() -> None:
         prove_inequality(m, "<", 0, [m])
 
 
+@pytest.mark.parametrize(("known", "degree"), [("nonpositive", 0), ("integer", 2)])
+def test_no_point_is_sought_for_symbols_of_which_more_is_known(known: str, degree: int) -> None:
+    """q <= 0, or q <= q^2, is true of them and fails at points that they cannot be at."""
+    q = sp.Symbol("q", **{known: True})
+    larger = q**2 if degree else 0
+    assert prove_inequality(q, "<=", larger).undecided
+    assert prove_inequality(q, "<=", larger, real=(q,)).refuted
+    assert prove_inequality(q**2, ">=").proved
+
+
 def test_symbols_that_are_not_real_are_refused() -> None:
     with pytest.raises(DefinitionError, match="'w' is not real"):
         prove_inequality(sp.Symbol("w", imaginary=True) ** 2, "<", 0)

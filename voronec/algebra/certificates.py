@@ -25,8 +25,8 @@ _MEANT = {"<": ((-1,), True), ">": ((1,), True), "<=": ((-1, 0), False), ">=": (
 _DEPTH = 8
 """How deep certificates may rest on others."""
 _SHALLOW, _FEW = 2, 24
-"""The same, and how many terms a polynomial may have, for signs that normal forms ask for: the
-search grows with the power of the number of variables."""
+"""How deep they may rest on others, and how many terms a polynomial may have, where normal forms
+ask for signs: the search grows with the power of the number of variables."""
 _MOST_POLYNOMIALS = 3_000
 """How many polynomials the search for one certificate may lead to."""
 _LONG = 300

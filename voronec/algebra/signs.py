@@ -15,6 +15,7 @@ from typing import Any
 
 import flint
 import symengine as se
+import sympy as sp
 
 from voronec.algebra.arguments import SEVERAL, TEXT, accepts
 from voronec.algebra.certificates import Signs
@@ -144,10 +145,11 @@ def prove_inequality(
 
     ``relation`` is one of < <= > >= != or its LaTeX.  The symbols ``positive``, and those that
     SymPy knows to be positive, run over all positive numbers, those that it knows to be negative
-    over all negative ones, every other one over all real numbers, whatever else SymPy knows;
-    ``real`` names some of these, so that one in both lists is a ``DefinitionError``, as is a symbol
-    that is not real, and a ``relation`` that is none of these.  Proved: the method says by which
-    certificate.  Refuted: the witness is a point, rational in every symbol.
+    over all negative ones, every other one over all real numbers; ``real`` names some of these, so
+    that one in both lists is a ``DefinitionError``, as is a symbol that is not real, and a
+    ``relation`` that is none of these.  Proved: the method says by which certificate.  Refuted: the
+    witness is a point, rational in every symbol.  What is not proved of symbols that SymPy knows
+    more of, such as integers, is undecided.
     """
     positive, real = (_symbols(given) for given in (positive, real))
     if relation not in RELATIONS:
@@ -181,7 +183,20 @@ def prove_inequality(
     if sign is not None and sign.settles(question.relation):
         return Verdict("proved", f"the difference of the sides is {sign.in_words}: {sign.reason}")
     roots = signs.linear_zeros(difference.num)
-    return question.search(roots, "no certificate of a sign was found")
+    verdict = question.search(roots, "no certificate of a sign was found")
+    narrow = [s for s in symbols if s not in (*positive, *real) and _is_narrow(s)]
+    if narrow and verdict.refuted:
+        return Verdict(
+            "undecided",
+            f"what is declared of '{narrow[0]}' is more than a sign: no point is sought",
+        )
+    return verdict
+
+
+def _is_narrow(symbol: sp.Symbol) -> bool:
+    """Whether SymPy knows more of a symbol than that it is real, or its sign."""
+    wide: tuple[dict[str, bool], ...] = ({}, {"real": True}, {"positive": True}, {"negative": True})
+    return all(symbol.assumptions0 != sp.Symbol("x", **known).assumptions0 for known in wide)
 
 
 def _symbols(given: Any) -> tuple[Any, ...]:

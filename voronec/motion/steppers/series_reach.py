@@ -27,7 +27,7 @@ STRIDE = 4.0
 coefficients that vanish; then the chunk is looked at step by step.  So is each chunk of a run that
 began with such a step, since a motion comes back."""
 BRIEF, BRIEF_STRIDE = 8, 2.0
-"""The same of chunks of no more than so many steps."""
+"""Chunks of no more than so many steps, and what stands for ``STRIDE`` in them."""
 GROWTH = 1.5
 """Of these, only such are looked at as are so many times longer than the step before."""
 
