@@ -186,10 +186,8 @@ def prove_inequality(
     verdict = question.search(roots, "no certificate of a sign was found")
     narrow = [s for s in symbols if s not in (*positive, *real) and _is_narrow(s)]
     if narrow and verdict.refuted:
-        return Verdict(
-            "undecided",
-            f"what is declared of '{narrow[0]}' is more than a sign: no point is sought",
-        )
+        more = f"what is declared of '{narrow[0]}' is more than a sign"
+        return Verdict("undecided", f"{more}: no point is sought")
     return verdict
 
 

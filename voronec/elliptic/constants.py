@@ -98,7 +98,7 @@ class Numbers:
 
 
 Source = Callable[[int], Numbers]
-"""The numbers of one exact problem at any number of bits; flint's ``ctx.prec`` is set by the caller."""
+"""The numbers of one exact problem at any number of bits; the caller sets flint's ``ctx.prec``."""
 
 
 @dataclass(frozen=True)
