@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -235,6 +236,19 @@ def test_inside_it_is_unstable_between_two_spins(bare):
         put = {m: -(q**2), A: P**2 - 1}
         assert vo.prove_equal(upper.second.xreplace(put).subs(upper.free, edge), 0).proved
         assert vo.prove_equal(lower.second.xreplace(put).subs(lower.free, -edge), 0).proved
+
+
+def test_at_a_pole_it_is_stable_where_the_quartic_is_negative_inside(demchenko):
+    from voronec.closed.special.stability import decide_stability
+
+    family, told = precessions(demchenko, INNER), set()
+    for end, spin in product(family.ends, (R(-9, 2), -2, R(-1, 3), R(1, 3), 1, 6)):
+        constants = {c: sp.sympify(e).xreplace({end.free: spin}) for c, e in end.constants.items()}
+        values = dict(family.values)
+        stable = decide_stability(demchenko.motion, constants, values, end.place).stable
+        assert stable is bool(end.second.xreplace({**values, end.free: spin}) < 0)
+        told.add((end.place, stable))
+    assert len(told) == 4
 
 
 @pytest.mark.parametrize(("spin", "stable"), [(-2, False), (1, True), (-6, True)])
