@@ -35,12 +35,14 @@ _TIES = 60
 
 @dataclass(frozen=True)
 class Inequality:
-    """Whether ``left relation right``, in symengine; ``signs`` of symbols by name, 1 or -1."""
+    """Whether ``left relation right``, in symengine; ``signs`` of symbols by name, 1 or -1;
+    ``narrow`` are symbols of which more is known, so that points may be none of theirs."""
 
     left: Any
     relation: str
     right: Any
     signs: Mapping[str, int]
+    narrow: Sequence[sp.Symbol] = ()
 
     def is_violated_by(self, difference: Any) -> bool:
         """Whether a ball around the difference shows that the relation fails."""
@@ -49,6 +51,9 @@ class Inequality:
 
     def search(self, roots: Sequence[tuple[Any, Any]], reason: str) -> Verdict:
         """Refuted by a point, or undecided."""
+        if self.narrow:
+            more = f"what is declared of '{self.narrow[0]}' is more than a sign"
+            return Verdict("undecided", f"{reason}; {more}: no point is sought")
         tape = Tape([self.left, self.right])
         ties = _TIES if self.relation in ("<", ">", "!=") else 0
         # where a letter is an exponent, exact values may have millions of digits
@@ -172,7 +177,8 @@ def prove_inequality(
     known = {str(bridge.inward(s)): 1 for s in positive}
     known |= {plain_name(s): 1 if s.is_positive else -1
               for s in symbols if s.is_positive or s.is_negative}  # fmt: skip
-    question = Inequality(left, RELATIONS[relation], right, known)
+    narrow = [s for s in symbols if s not in (*positive, *real) and _is_narrow(s)]
+    question = Inequality(left, RELATIONS[relation], right, known, narrow)
     try:
         ring = Ring([left, right, left - right], (), PROOF_LIMIT)
         difference = ring.fraction(left - right)
@@ -183,12 +189,7 @@ def prove_inequality(
     if sign is not None and sign.settles(question.relation):
         return Verdict("proved", f"the difference of the sides is {sign.in_words}: {sign.reason}")
     roots = signs.linear_zeros(difference.num)
-    verdict = question.search(roots, "no certificate of a sign was found")
-    narrow = [s for s in symbols if s not in (*positive, *real) and _is_narrow(s)]
-    if narrow and verdict.refuted:
-        more = f"what is declared of '{narrow[0]}' is more than a sign"
-        return Verdict("undecided", f"{more}: no point is sought")
-    return verdict
+    return question.search(roots, "no certificate of a sign was found")
 
 
 def _is_narrow(symbol: sp.Symbol) -> bool:

@@ -30,7 +30,6 @@ _UNARY: dict[type, Callable[[Any], Any]] = {
     se.sec: lambda a: 1 / a.cos(),
     se.csc: lambda a: 1 / a.sin(),
     se.acot: lambda a: (1 / a).atan(),
-    se.Abs: abs,
     se.sign: lambda a: a.sgn() if a.is_finite() else _NO_VALUE,  # nan.sgn() is finite
 }
 _NUMERIC: dict[str, Callable[..., Any]] = {
