@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from voronec.audit.page.marks import mark
+from voronec.audit.page.marks import in_environment, mark
 from voronec.audit.page.mathml import convert
 from voronec.audit.page.phrases import (
     KINDS,
@@ -85,9 +85,7 @@ def escape_text(text: str) -> str:
 
 def _body(latex: str) -> str:
     """The formula without its label; lines or cells outside any environment get one."""
-    text = _LABEL.sub("", latex).strip()
-    bare = "\\begin" not in text and re.search(r"(?<!\\)&|\\\\", text)
-    return f"\\begin{{aligned}}\n{text}\n\\end{{aligned}}" if bare else text
+    return in_environment(_LABEL.sub("", latex).strip())
 
 
 _HEAD = r"""\documentclass[11pt]{article}

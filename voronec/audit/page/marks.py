@@ -31,6 +31,7 @@ _STRUCTURE = frozenset(("_", "^", "'", "}", "&", "\\\\"))
 _BETWEEN = re.compile(r"&|\\(?:left|right)(?![a-zA-Z])")
 """What no mark reaches over: cells, and brackets that are not printed."""
 _TALL = re.compile(r"\\(?:[dt]?frac|begin|sum|prod|int)(?![a-zA-Z])")
+_LINES = re.compile(r"(?<!\\)&|\\\\")
 _EDGE = re.compile(r"\\(left|right)(?![a-zA-Z])")
 
 
@@ -59,6 +60,12 @@ def mark(latex: str, ranges: Sequence[Range], command: str, lines: bool = False)
         pieces += [latex[last:at], text]
         last = at
     return "".join([*pieces, latex[last:]])
+
+
+def in_environment(latex: str) -> str:
+    """A formula whose lines or cells, where they are outside any environment, have one."""
+    bare = "\\begin" not in latex and _LINES.search(latex)
+    return f"\\begin{{aligned}}\n{latex}\n\\end{{aligned}}" if bare else latex
 
 
 def _argument_end(words: Sequence[Token], start: int) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from importlib.util import find_spec
 
-from voronec.audit.page.marks import LINE_END, mark, size_brackets
+from voronec.audit.page.marks import LINE_END, in_environment, mark, size_brackets
 from voronec.audit.page.phrases import typeset_words
 from voronec.errors import DefinitionError
 
@@ -84,9 +84,7 @@ def convert(latex: str, unknown: tuple[str, ...] = ()) -> tuple[str, tuple[str, 
 def _for_library(latex: str) -> str:
     """A formula without labels, its lines in an environment, and no formulas within text."""
     text = _EQNARRAY.sub(_as_array, _LABEL.sub("", _inner(latex)))
-    text = re.sub(r"\$([^$]*)\$", r"}\1\\text{", text)
-    bare = "\\begin" not in text and re.search(r"(?<!\\)&|\\\\", text)
-    return f"\\begin{{aligned}}{text}\\end{{aligned}}" if bare else text
+    return in_environment(re.sub(r"\$([^$]*)\$", r"}\1\\text{", text))
 
 
 def _as_array(edge: re.Match[str]) -> str:
